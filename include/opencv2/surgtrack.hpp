@@ -1,0 +1,44 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_HPP
+#define OPENCV_SURGTRACK_HPP
+
+/**
+@defgroup surgtrack 3D tracking of articulated surgical tools
+
+Finds the pose of articulated tools in the endoscope's camera from video, CAD model and joint readings, although the hand-eye
+calibration is wrong by millimetres and degrees. Implements @cite ye2016realtime.
+
+Data flows one way through the stages; the correction found in frame t-1 is the only thing that goes back, into the view of
+frame t:
+
+    ToolModel ---+
+                 +-> PartTemplateRenderer -> QGOMatcher -> GeometricContextVerifier -> ToolPoseEKF -> estimate
+    MeshRenderer +
+    |<----------------------------- ToolTracker: all of it, per frame ------------------------------->|
+
+**Frames.** `base`: the arm's remote centre of motion. `tool`: the end effector of the tool file. `nominal`: where the hand-eye
+calibration believes the camera is. `camera`: x right, y down, z forward. `a_T_b` maps coordinates in b to coordinates in a:
+
+    camera_T_tool = camera_T_nominal * nominal_T_base * base_T_tool(joints)
+
+and `camera_T_nominal`, the correction, is what is sought.
+
+**Units.** Metres, radians, seconds, pixels. Pixel (0, 0) is the centre of the top-left pixel.
+*/
+
+#include "opencv2/surgtrack/camera.hpp"
+#include "opencv2/surgtrack/tool_model.hpp"
+#include "opencv2/surgtrack/mesh_renderer.hpp"
+#include "opencv2/surgtrack/part_templates.hpp"
+#include "opencv2/surgtrack/qgo.hpp"
+#include "opencv2/surgtrack/qgo_matcher.hpp"
+#include "opencv2/surgtrack/geometric_context.hpp"
+#include "opencv2/surgtrack/tool_pose_ekf.hpp"
+#include "opencv2/surgtrack/tool_tracker.hpp"
+#include "opencv2/surgtrack/sequence.hpp"
+#include "opencv2/surgtrack/synthetic.hpp"
+
+#endif

@@ -1,0 +1,84 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_MESH_RENDERER_HPP
+#define OPENCV_SURGTRACK_MESH_RENDERER_HPP
+
+#include "opencv2/surgtrack/camera.hpp"
+#include "opencv2/surgtrack/tool_model.hpp"
+
+namespace cv { namespace surgtrack {
+
+//! @addtogroup surgtrack
+//! @{
+
+/** @brief What a MeshRenderer draws: three images of the same size, for one window of the camera's image. */
+struct CV_EXPORTS Rendering
+{
+    Rect window;    //!< the part of the image that was drawn; pixel (0, 0) of the maps is window.tl() of the image
+    Mat depth;      //!< CV_32FC1, z in the camera frame [m], 0 where there is nothing
+    Mat ids;        //!< CV_8UC1, MeshInstance::id of the nearest surface, 0 where there is nothing
+    Mat shading;    //!< CV_8UC1, headlight shading: 255 * |cos| of the angle between normal and viewing ray, 0 where nothing
+
+    //! Makes the three maps of the window's size; memory is taken only when the window outgrows all before it.
+    void create(const Rect& newWindow);
+
+private:
+    Mat storage_;
+};
+
+/** @brief A mesh placed in the camera frame. */
+struct CV_EXPORTS MeshInstance
+{
+    int mesh;                  //!< what MeshRenderer::addMesh() returned
+    int id;                    //!< 1..255, written into Rendering::ids
+    Matx44d camera_T_mesh;     //!< rigid
+};
+
+/** @brief Draws meshes as the camera would see them: with its intrinsics, its distortion, and hiding each other.
+
+Derive from it to bring a renderer of your own. Not thread-safe: one renderer for each thread. */
+class CV_EXPORTS_W MeshRenderer
+{
+public:
+    virtual ~MeshRenderer() {}
+
+    /** @brief The default: a z-buffer on the CPU. Needs no display; gives the same bits on every machine. */
+    CV_WRAP static Ptr<MeshRenderer> createSoftware();
+
+    /** @brief VTK / OpenGL, off screen: through an X server if DISPLAY names one, else X-free through EGL.
+    @throws cv::Exception (StsNotImplemented) if there is neither */
+    CV_WRAP static Ptr<MeshRenderer> createVTK();
+
+    /** @brief Makes a mesh known.
+    @return its handle for MeshInstance::mesh */
+    virtual int addMesh(const Mesh& mesh) = 0;
+
+    /** @brief Draws the instances into the window of the camera's image.
+    @param camera intrinsics and distortion
+    @param window part of the image; must lie inside it
+    @param instances meshes and their poses; may reach behind the camera
+    @param rendering result */
+    virtual void render(const CameraModel& camera, const Rect& window, const std::vector<MeshInstance>& instances, Rendering& rendering) = 0;
+
+    /** @brief Draws one tool into a whole image.
+    @param tool its meshes are added on the first call
+    @param joints one value per coordinate of the tool [rad or m]
+    @param camera_T_base the arm's base in the camera frame
+    @param camera intrinsics and distortion
+    @param depth CV_32FC1 [m], 0 where there is nothing
+    @param ids CV_8UC1, 1 + index of the link, 0 where there is nothing
+    @param shading CV_8UC1 */
+    CV_WRAP void renderTool(const Ptr<ToolModel>& tool, InputArray joints, const Matx44d& camera_T_base, const CameraModel& camera,
+                            OutputArray depth, OutputArray ids, OutputArray shading);
+
+private:
+    std::vector<std::pair<Ptr<ToolModel>, int> > tools_;   // a tool and the handle of its first mesh
+};
+
+//! @}
+
+}} // namespace cv::surgtrack
+
+#endif

@@ -1,0 +1,74 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_QGO_MATCHER_HPP
+#define OPENCV_SURGTRACK_QGO_MATCHER_HPP
+
+#include "opencv2/surgtrack/qgo.hpp"
+#include "opencv2/surgtrack/part_templates.hpp"
+
+namespace cv { namespace surgtrack {
+
+//! @addtogroup surgtrack
+//! @{
+
+/** @brief A place in the image where a part may be. */
+struct CV_EXPORTS_W_SIMPLE PartMatch
+{
+    CV_WRAP PartMatch();
+
+    CV_PROP int tool;              //!< index of the tool
+    CV_PROP int part;              //!< index of the keypoint
+    CV_PROP Point2d imagePoint;    //!< where it was found [pixel]
+    CV_PROP double similarity;     //!< 0..1
+    CV_PROP Point2d predictedPoint;//!< where the template expected it [pixel]
+    CV_PROP int templateIndex;     //!< index into the templates that were matched
+};
+
+/** @brief Finds part templates in an image by their quantised gradient orientations (paper, Sec. 2.1).
+
+The similarity of a template at a place is the mean, over its features, of 1 where the spread image holds the feature's
+orientation, 1/4 where it holds a neighbouring one, else 0; sums of small integers over sliding windows, no per-pixel loop over
+features. */
+class CV_EXPORTS_W QGOMatcher
+{
+public:
+    struct CV_EXPORTS_W_SIMPLE Params
+    {
+        CV_WRAP Params();
+        CV_PROP_RW double magnitudeThreshold;   //!< see quantizeOrientations(); default 50, as the paper's release
+        CV_PROP_RW int spread;                  //!< see spreadOrientations() [pixel]; default 5, as the paper's release
+        CV_PROP_RW int candidates;              //!< at most so many matches a part; default 5 (paper: top 5)
+        CV_PROP_RW int suppressionRadius;       //!< a match suppresses weaker ones of its part this near [pixel]; default 6
+        CV_PROP_RW double minSimilarity;        //!< weaker matches are dropped, 0..1; default 0.5
+        CV_PROP_RW double relativeSimilarity;   //!< as are those weaker than this share of the part's best; default 0.7
+    };
+
+    CV_WRAP static Ptr<QGOMatcher> create(const QGOMatcher::Params& params = QGOMatcher::Params());
+    virtual ~QGOMatcher() {}
+
+    /** @brief Prepares the image for matching.
+    @param image CV_8UC1 or CV_8UC3, any size; is not kept
+    @param roi only windows with their templates inside it can be matched; empty = the whole image */
+    CV_WRAP virtual void setImage(InputArray image, const Rect& roi = Rect()) = 0;
+
+    /** @brief Finds templates in the prepared image. Features outside the prepared region count as not found.
+    @param templates what to look for
+    @param windows where the keypoints of each template may be [pixel]; one per template, or none for the whole image
+    @param matches candidates, sorted by falling similarity */
+    CV_WRAP virtual void match(const std::vector<PartTemplate>& templates, const std::vector<Rect>& windows,
+                               CV_OUT std::vector<PartMatch>& matches) = 0;
+
+    /** @brief The similarity of one template over a window, before any selection.
+    @param partTemplate what to look for
+    @param window where its keypoint may be [pixel]
+    @param similarity CV_16UC1 of the window's size: sum over features of 4, 1 or 0 */
+    CV_WRAP virtual void similarityMap(const PartTemplate& partTemplate, const Rect& window, OutputArray similarity) = 0;
+};
+
+//! @}
+
+}} // namespace cv::surgtrack
+
+#endif

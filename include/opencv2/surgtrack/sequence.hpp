@@ -1,0 +1,109 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_SEQUENCE_HPP
+#define OPENCV_SURGTRACK_SEQUENCE_HPP
+
+#include <map>
+#include "opencv2/surgtrack/camera.hpp"
+#include "opencv2/surgtrack/tool_model.hpp"
+
+namespace cv { namespace surgtrack {
+
+//! @addtogroup surgtrack
+//! @{
+
+/** @brief One tool of a sequence. */
+struct CV_EXPORTS_W_SIMPLE SequenceTool
+{
+    CV_WRAP SequenceTool();
+    CV_PROP String name;                //!< as in the CSV files
+    CV_PROP String model;               //!< path of the tool file
+    CV_PROP Matx44d nominal_T_base;     //!< the calibrated, wrong, hand-eye: the key camera_T_base of the file
+};
+
+/** @brief A recorded sequence: a folder with sequence.yaml, video, kinematics.csv and, where known, groundtruth.csv.
+The format is described in doc/formats.md. Frame k is at time k / fps. */
+class CV_EXPORTS_W Sequence
+{
+public:
+    /** @param folder the folder, or its sequence.yaml
+    @throws cv::Exception naming file, key or line and what was expected */
+    CV_WRAP static Ptr<Sequence> load(const String& folder);
+
+    CV_WRAP String name() const { return name_; }
+    CV_WRAP double fps() const { return fps_; }
+    CV_WRAP CameraModel leftCamera() const { return left_; }
+    CV_WRAP CameraModel rightCamera() const { return right_; }         //!< empty size if mono
+    CV_WRAP String leftVideo() const { return leftVideo_; }            //!< path; may lie outside the folder
+    CV_WRAP String rightVideo() const { return rightVideo_; }          //!< empty if mono
+    CV_WRAP Matx44d right_T_left() const { return right_T_left_; }
+    CV_WRAP bool isStereo() const { return !rightVideo_.empty(); }
+    CV_WRAP int toolCount() const { return (int)tools_.size(); }
+    CV_WRAP SequenceTool tool(int index) const;
+
+    /** @brief Joint readings at a time, linearly interpolated between the two nearest records.
+    @param tool index
+    @param time [s]
+    @param joints one value per column of kinematics.csv after `time,tool`, [rad or m]
+    @return false if the time lies outside the records (by more than one sampling interval); joints is then unchanged */
+    CV_WRAP bool jointsAt(int tool, double time, CV_OUT std::vector<double>& joints) const;
+
+    //! Names of the joint columns of kinematics.csv.
+    CV_WRAP std::vector<String> jointNames() const { return jointNames_; }
+
+    /** @brief Ground truth of a frame.
+    @param tool index
+    @param frame number
+    @param camera_T_tool true pose
+    @param joints true joint values; empty if the file has none
+    @return false if there is none for this frame */
+    CV_WRAP bool groundTruth(int tool, int frame, CV_OUT Matx44d& camera_T_tool, CV_OUT std::vector<double>& joints) const;
+    CV_WRAP bool hasGroundTruth() const;
+
+private:
+    struct JointRecords { std::vector<double> times; std::vector<double> values; };   // values: row-major, a row a time
+    struct Truth { Matx44d camera_T_tool; std::vector<double> joints; };
+
+    void readKinematics(const String& filename);
+    void readGroundTruth(const String& filename);
+
+    String name_, leftVideo_, rightVideo_;
+    double fps_;
+    CameraModel left_, right_;
+    Matx44d right_T_left_;
+    std::vector<SequenceTool> tools_;
+    std::vector<String> jointNames_;
+    std::vector<JointRecords> records_;                // a tool
+    std::vector<std::map<int, Truth> > truth_;         // a tool, by frame
+};
+
+/** @brief Writes a poses CSV: `frame,time,tool,status,tx,ty,tz,qx,qy,qz,qw` and further columns.
+Each row is flushed, so that what was written is complete and readable whatever happens next. */
+class CV_EXPORTS_W PoseWriter
+{
+public:
+    /** @param filename is overwritten
+    @param extraColumns names of further columns
+    @throws cv::Exception naming the file if it can't be written */
+    CV_WRAP static Ptr<PoseWriter> create(const String& filename, const std::vector<String>& extraColumns = std::vector<String>());
+    virtual ~PoseWriter() {}
+
+    /** @brief Adds one row.
+    @param frame number
+    @param time [s]
+    @param tool name
+    @param state see cv::surgtrack::TrackingState
+    @param camera_T_tool rigid; a non-finite pose is an error
+    @param extra one value per further column; non-finite values are left empty
+    @throws cv::Exception naming the file if the row can't be written (as on a full disk) */
+    CV_WRAP virtual void write(int frame, double time, const String& tool, int state, const Matx44d& camera_T_tool,
+                               const std::vector<double>& extra = std::vector<double>()) = 0;
+};
+
+//! @}
+
+}} // namespace cv::surgtrack
+
+#endif

@@ -1,0 +1,116 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_TOOL_TRACKER_HPP
+#define OPENCV_SURGTRACK_TOOL_TRACKER_HPP
+
+#include "opencv2/surgtrack/part_templates.hpp"
+#include "opencv2/surgtrack/qgo_matcher.hpp"
+#include "opencv2/surgtrack/geometric_context.hpp"
+#include "opencv2/surgtrack/tool_pose_ekf.hpp"
+
+namespace cv { namespace surgtrack {
+
+//! @addtogroup surgtrack
+//! @{
+
+//! How poses are found from the verified matches.
+enum TrackingMethod
+{
+    METHOD_PAPER = 0,   //!< @cite ye2016realtime as published: six-state filter on the hand-eye correction
+    METHOD_EPNP = 1     //!< the paper's baseline: EPnP on the matches of each frame alone
+};
+
+//! What an estimate is worth.
+enum TrackingState
+{
+    STATE_INITIALIZING = 0,   //!< no pose of the camera's own yet: the pose is that of the kinematics
+    STATE_TRACKING = 1,       //!< the pose was measured in this frame
+    STATE_COASTING = 2,       //!< nothing was measured for a short while: kinematics with the last correction
+    STATE_LOST = 3            //!< the pose must not be used
+};
+
+//! `initializing`, `tracking`, `coasting` or `lost`, as poses files have it.
+CV_EXPORTS_W String stateName(int state);
+
+/** @brief The tracker's answer for one tool and one frame. */
+struct CV_EXPORTS_W_SIMPLE ToolEstimate
+{
+    CV_WRAP ToolEstimate();
+
+    CV_PROP int state;                   //!< see cv::surgtrack::TrackingState
+    CV_PROP Matx44d camera_T_tool;       //!< pose of the end effector in the camera frame [m]
+    CV_PROP Matx44d camera_T_nominal;    //!< the correction of the hand-eye calibration
+    CV_PROP Matx66d covariance;          //!< of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame
+    CV_PROP int visibleParts;            //!< parts that had a template
+    CV_PROP int inliers;                 //!< matches that agreed on the geometric context and went into the pose
+    CV_PROP double similarity;           //!< mean similarity of the inliers, 0..1; 0 without inliers
+    CV_PROP double nis;                  //!< normalised innovation squared per degree of freedom; about 1 if the filter is consistent
+    std::vector<PartMatch> matches;      //!< the inliers
+};
+
+/** @brief Finds the pose of articulated tools in the camera from video and joint readings.
+
+Per frame (paper, Sec. 2): the tools are drawn as the kinematics and the last correction say they look; part templates are
+cut from the drawing (PartTemplateRenderer), found in the image (QGOMatcher), kept where their arrangement agrees
+(GeometricContextVerifier), and fused with the kinematics (ToolPoseEKF).
+
+Each tool has a state of its own. The result depends on the input alone: same images, times and joints, same estimates. */
+class CV_EXPORTS_W ToolTracker
+{
+public:
+    struct CV_EXPORTS_W_SIMPLE Params
+    {
+        CV_WRAP Params();
+        CV_PROP_RW int method;                 //!< see cv::surgtrack::TrackingMethod
+        CV_PROP_RW double initialWindow;       //!< half-width of the search window before the first pose [m on the tool]
+        CV_PROP_RW double minWindow;           //!< smallest half-width of the search window while tracking [pixel at 720 px width]
+        CV_PROP_RW int minInitialInliers;      //!< matches needed for a first pose (paper's release: more than 6)
+        CV_PROP_RW int coastingFrames;         //!< frames without a measurement until a tool is lost
+        CV_PROP_RW int seed;                   //!< of all random choices
+    };
+
+    CV_WRAP static Ptr<ToolTracker> create(const CameraModel& camera, const ToolTracker::Params& params = ToolTracker::Params());
+
+    virtual ~ToolTracker() {}
+
+    /** @brief Adds a tool.
+    @param model the tool
+    @param nominal_T_base where the (wrong) hand-eye calibration believes the arm's base to be, in the camera frame
+    @return index of the tool */
+    CV_WRAP virtual int addTool(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base) = 0;
+
+    /** @brief Tracks one frame.
+    @param image CV_8UC1 or CV_8UC3 (BGR) of the camera's size
+    @param time time stamp [s], larger than the last one
+    @param joints per tool, in the order of addTool(), one reading per coordinate [rad or m]
+    @param estimates per tool the answer
+    @throws cv::Exception for another image type or size, another number of joints, or non-finite values; the tracker's
+    state is then unchanged */
+    CV_WRAP virtual void update(InputArray image, double time, const std::vector<std::vector<double> >& joints,
+                                CV_OUT std::vector<ToolEstimate>& estimates) = 0;
+
+    /** @brief Forgets what was learnt of a tool, as after a change of instrument. @param tool index; -1 = all */
+    CV_WRAP virtual void reset(int tool = -1) = 0;
+
+    /** @brief Time spent per stage in the last update() [s]: render, image, match, verify, filter, total. */
+    CV_WRAP virtual std::vector<double> getTimings() const = 0;
+    CV_WRAP static std::vector<String> timingNames();
+};
+
+/** @brief Draws a tool's skeleton (joint axes' origins and the end effector) and its keypoints into an image.
+@param image CV_8UC3, is drawn on
+@param camera of the image
+@param model the tool
+@param joints one value per coordinate [rad or m]
+@param camera_T_base the arm's base in the camera frame
+@param color BGR */
+CV_EXPORTS_W void drawSkeleton(InputOutputArray image, const CameraModel& camera, const Ptr<ToolModel>& model, InputArray joints,
+                               const Matx44d& camera_T_base, const Scalar& color);
+
+//! @}
+
+}} // namespace cv::surgtrack
+
+#endif

@@ -1,0 +1,6 @@
+#ifndef OPENCV_SURGTRACK_PERF_PRECOMP_HPP
+#define OPENCV_SURGTRACK_PERF_PRECOMP_HPP
+#include "opencv2/ts.hpp"
+#include "opencv2/surgtrack.hpp"
+namespace opencv_test { using namespace perf; }
+#endif

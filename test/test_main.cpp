@@ -1,0 +1,2 @@
+#include "test_precomp.hpp"
+CV_TEST_MAIN("")

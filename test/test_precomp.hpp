@@ -1,0 +1,5 @@
+#ifndef OPENCV_SURGTRACK_TEST_PRECOMP_HPP
+#define OPENCV_SURGTRACK_TEST_PRECOMP_HPP
+#include "opencv2/ts.hpp"
+#include "opencv2/surgtrack.hpp"
+#endif
