@@ -98,7 +98,7 @@ void QGOMatcherImpl::similarityMap(const PartTemplate& t, const Rect& window, Ou
 // The best places, each suppressing its neighbourhood.
 void QGOMatcherImpl::selectCandidates(const PartTemplate& t, int templateIndex, const Rect& window, std::vector<PartMatch>& matches)
 {
-    Mat_<ushort> map(window.size(), similarity_.ptr<ushort>());
+    Mat_<ushort> map(window.height, window.width, similarity_.ptr<ushort>());
     const double full = 4. * double(t.features.size());
     double weakest = params_.minSimilarity * full;
     const int r = params_.suppressionRadius;

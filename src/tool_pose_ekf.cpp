@@ -19,9 +19,10 @@
 
 namespace cv { namespace surgtrack {
 
-typedef Eigen::Matrix<double, 6, 1> Vector6;
-typedef Eigen::Matrix<double, 6, 6> Matrix6;
-typedef Eigen::Matrix<double, 2, 6> Row2x6;
+// Not aligned: members of objects on the heap, where C++11 promises 16 bytes only.
+typedef Eigen::Matrix<double, 6, 1, Eigen::DontAlign> Vector6;
+typedef Eigen::Matrix<double, 6, 6, Eigen::DontAlign> Matrix6;
+typedef Eigen::Matrix<double, 2, 6, Eigen::DontAlign> Row2x6;
 
 namespace {
 
