@@ -14,8 +14,8 @@ namespace cv { namespace surgtrack {
 //! Reads and checks a mesh file: triangles, duplicate points merged, in the link's frame [m]; no normals yet.
 Mesh readMesh(const String& filename, double scale, const Matx44d& link_T_mesh);
 
-//! Quadric decimation to at most maxTriangles. Drops the normals.
-void decimateMesh(Mesh& mesh, int maxTriangles);
+//! Quadric decimation to at most maxTriangles in all, with one measure of error for all meshes. Drops the normals.
+void decimateMeshes(std::vector<Mesh>& meshes, int maxTriangles);
 
 //! Merges duplicate points, makes the triangles' sense consistent (outward where the mesh is closed), and gives every vertex
 //! one normal; vertices on creases are split.

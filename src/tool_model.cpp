@@ -223,7 +223,6 @@ void parseMeshes(const String& toolFile, const std::vector<TracedNode>& nodes, c
         tool.links[i].mesh = (int)meshNodes.size() - 1;
     }
     tool.meshes.resize(meshNodes.size());
-    double triangles = 0;
     for (size_t i = 0; i < meshNodes.size(); ++i)
     {
         try
@@ -234,16 +233,13 @@ void parseMeshes(const String& toolFile, const std::vector<TracedNode>& nodes, c
         {
             meshNodes[i].fail(e.err, e.code);
         }
-        triangles += (double)tool.meshes[i].triangles.size();
     }
-    parallel_for_(Range(0, (int)meshNodes.size()), [&](const Range& range)
+    if (maxTriangles)
+        decimateMeshes(tool.meshes, maxTriangles);
+    parallel_for_(Range(0, (int)tool.meshes.size()), [&](const Range& range)
     {
         for (int i = range.start; i < range.end; ++i)
-        {
-            if (maxTriangles && triangles > maxTriangles)
-                decimateMesh(tool.meshes[i], (int)((double)tool.meshes[i].triangles.size() * maxTriangles / triangles));
             computeNormals(tool.meshes[i]);
-        }
     });
 }
 
