@@ -68,10 +68,11 @@ public:
     void fail(const String& what) const { CV_Error(Error::StsParseError, filename_ + ": " + what); }
 
 private:
-    struct Property { int countSize, size; };   // countSize 0: not a list
+    struct Property { String name; int countSize, size; };   // countSize 0: not a list
     struct Element { String name; int64 count; std::vector<Property> properties; };
 
     std::vector<Element> readPLYHeader(String& plyFormat);
+    void needPLYProperty(const std::vector<Element>& elements, const char* element, const char* property, bool list) const;
     void skipNumber() { nextNumber(); }
     double nextNumber();
     int64 nextInteger(int size, bool bigEndian);
@@ -139,7 +140,7 @@ std::vector<MeshFileChecker::Element> MeshFileChecker::readPLYHeader(String& ply
         }
         else if (word == "property")
         {
-            Property p = { 0, 0 };
+            Property p = { String(), 0, 0 };
             words >> type;
             if (type == "list")
             {
@@ -147,6 +148,7 @@ std::vector<MeshFileChecker::Element> MeshFileChecker::readPLYHeader(String& ply
                 p.countSize = plyTypeSize(countType);
             }
             p.size = plyTypeSize(type);
+            words >> p.name;
             if (elements.empty() || !p.size || (!countType.empty() && !p.countSize))
                 fail("expected `property TYPE NAME` or `property list TYPE TYPE NAME` of an element, found `" + line + "`");
             elements.back().properties.push_back(p);
@@ -154,6 +156,16 @@ std::vector<MeshFileChecker::Element> MeshFileChecker::readPLYHeader(String& ply
         else if (!word.empty() && word != "comment" && word != "obj_info")
             fail("unknown line `" + line + "` in the header");
     }
+}
+
+// Without one of them vtkPLYReader crashes.
+void MeshFileChecker::needPLYProperty(const std::vector<Element>& elements, const char* element, const char* property, bool list) const
+{
+    for (size_t e = 0; e < elements.size(); ++e)
+        for (size_t p = 0; elements[e].name == element && p < elements[e].properties.size(); ++p)
+            if (elements[e].properties[p].name == property && (elements[e].properties[p].countSize > 0) == list)
+                return;
+    fail(format("expected %s `%s` of element `%s` in the header", list ? "a list" : "a number", property, element));
 }
 
 double MeshFileChecker::nextNumber()
@@ -187,7 +199,10 @@ void MeshFileChecker::checkPLY()
     const bool ascii = plyFormat == "ascii", bigEndian = plyFormat == "binary_big_endian";
     if (!ascii && !bigEndian && plyFormat != "binary_little_endian")
         fail("expected format ascii, binary_little_endian or binary_big_endian, found `" + plyFormat + "`");
-    faces_ = vertices_ = 0;
+    needPLYProperty(elements, "vertex", "x", false);
+    needPLYProperty(elements, "vertex", "y", false);
+    needPLYProperty(elements, "vertex", "z", false);
+    needPLYProperty(elements, "face", "vertex_indices", true);
     for (size_t e = 0; e < elements.size(); ++e)
     {
         const Element& element = elements[e];
@@ -277,8 +292,8 @@ void MeshFileChecker::checkOBJ()
             for (int k = 0; k < 3; ++k)
             {
                 char* end = 0;
-                if (!(words >> corner) || (std::strtod(corner.c_str(), &end), *end))
-                    fail(format("line %d: expected three numbers", number));
+                if (!(words >> corner) || !(std::abs(std::strtod(corner.c_str(), &end)) < DBL_MAX) || *end)
+                    fail(format("line %d: expected three finite numbers", number));   // vtkOBJReader reads `nan` as something finite
             }
         }
         count[1] += word == "vt";
