@@ -8,6 +8,7 @@
 #include <cstring>
 #include <locale>
 #include <sstream>
+#include "quaternion.hpp"
 #ifdef _WIN32
 #include <io.h>
 #else
@@ -21,18 +22,6 @@ namespace {
 bool isName(const String& name)
 {
     return !name.empty() && name.find_first_of(",\"\r\n") == String::npos;
-}
-
-Vec4d quaternionFromRotation(const Matx33d& R)
-{
-    // The largest of the four components is computed first and divides the others: stable at any angle.
-    const double squares[] = { 1 + R(0, 0) - R(1, 1) - R(2, 2), 1 - R(0, 0) + R(1, 1) - R(2, 2),
-                               1 - R(0, 0) - R(1, 1) + R(2, 2), 1 + R(0, 0) + R(1, 1) + R(2, 2) };
-    const double x = R(2, 1) - R(1, 2), y = R(0, 2) - R(2, 0), z = R(1, 0) - R(0, 1);
-    const double xy = R(0, 1) + R(1, 0), xz = R(0, 2) + R(2, 0), yz = R(1, 2) + R(2, 1);
-    const Vec4d candidates[] = { Vec4d(squares[0], xy, xz, x), Vec4d(xy, squares[1], yz, y),
-                                 Vec4d(xz, yz, squares[2], z), Vec4d(x, y, z, squares[3]) };
-    return normalize(candidates[std::max_element(squares, squares + 4) - squares]);
 }
 
 class PoseWriterImpl CV_FINAL : public PoseWriter

@@ -5,18 +5,11 @@
 #include "precomp.hpp"
 #include "opencv2/core/utils/filesystem.hpp"
 #include "csv.hpp"
+#include "quaternion.hpp"
 
 namespace cv { namespace surgtrack {
 
 namespace {
-
-Matx33d rotationFromQuaternion(double x, double y, double z, double w)
-{
-    const double s = 2 / (x * x + y * y + z * z + w * w);
-    return Matx33d(1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w),
-                   s * (x * y + z * w), 1 - s * (x * x + z * z), s * (y * z - x * w),
-                   s * (x * z - y * w), s * (y * z + x * w), 1 - s * (x * x + y * y));
-}
 
 int findTool(const std::vector<SequenceTool>& tools, const CsvReader& csv, int column)
 {
@@ -103,11 +96,11 @@ void Sequence::readGroundTruth()
         double p[7];
         for (int i = 0; i < 7; i++)
             p[i] = csv.number(poseColumns[i]);
-        const double length = std::sqrt(p[3] * p[3] + p[4] * p[4] + p[5] * p[5] + p[6] * p[6]);
+        const double length = norm(Vec4d(p + 3));
         if (std::abs(length - 1) > 1e-2)
             csv.fail(format("qx, qy, qz, qw have length %g, expected a unit quaternion", length));
         Truth& t = truth[frame];
-        const Matx33d R = rotationFromQuaternion(p[3], p[4], p[5], p[6]);
+        const Matx33d R = rotationFromQuaternion(Vec4d(p + 3));
         t.camera_T_tool = Matx44d(R(0, 0), R(0, 1), R(0, 2), p[0], R(1, 0), R(1, 1), R(1, 2), p[1],
                                   R(2, 0), R(2, 1), R(2, 2), p[2], 0, 0, 0, 1);
         for (size_t i = 0; i < jointColumns.size(); i++)
