@@ -21,17 +21,21 @@ bool EGLContextHolder::makeCurrent() const { return false; }
 bool EGLContextHolder::isCurrent() const { return false; }
 SavedGLContexts::SavedGLContexts() {}
 SavedGLContexts::~SavedGLContexts() {}
-bool canOpenX(String&) { return true; }
+XDisplayHolder::~XDisplayHolder() {}
+XDisplayHolder::ErrorsIgnored::ErrorsIgnored() : was_(0) {}
+XDisplayHolder::ErrorsIgnored::~ErrorsIgnored() {}
+Ptr<XDisplayHolder> XDisplayHolder::create(String&) { return Ptr<XDisplayHolder>(new XDisplayHolder(0, 0)); }
 
 #else
 
-// EGL's numbers, as its registry has them: the module is built without EGL's headers.
+// Numbers from the registries of EGL, OpenGL and GLX: the module is built without their headers.
 enum
 {
     EGL_NONE = 0x3038, EGL_VENDOR_EXTENSIONS = 0x3055, EGL_DRAW = 0x3059, EGL_READ = 0x305A,
     EGL_SURFACE_TYPE = 0x3033, EGL_PBUFFER_BIT = 1, EGL_RENDERABLE_TYPE = 0x3040, EGL_OPENGL_BIT = 8,
     EGL_OPENGL_API = 0x30A2, EGL_CONTEXT_MAJOR = 0x3098, EGL_CONTEXT_MINOR = 0x30FB, EGL_CONTEXT_PROFILE = 0x30FD, EGL_CORE_PROFILE = 1,
-    EGL_PLATFORM_DEVICE = 0x313F, EGL_PLATFORM_SURFACELESS = 0x31DD, GL_VERSION_NAME = 0x1F02
+    EGL_PLATFORM_DEVICE = 0x313F, EGL_PLATFORM_SURFACELESS = 0x31DD, GL_VERSION_NAME = 0x1F02,
+    GLX_RED_SIZE = 8, GLX_GREEN_SIZE = 9, GLX_BLUE_SIZE = 10, GLX_DEPTH_SIZE = 12
 };
 
 template <typename F> static bool load(F& function, void* library, const char* name)
@@ -191,34 +195,71 @@ SavedGLContexts::~SavedGLContexts()
     if (egl_.context) egl_.makeCurrent(egl_.display, egl_.draw, egl_.read, egl_.context);
 }
 
-bool canOpenX(String& reason)
+XDisplayHolder::~XDisplayHolder()
+{
+    close_(display);
+}
+
+static int ignoreError(void*, void*)
+{
+    return 0;
+}
+
+XDisplayHolder::ErrorsIgnored::ErrorsIgnored() : was_(0)
+{
+    void* (*setErrorHandler)(int (*)(void*, void*));
+    if (load(setErrorHandler, dlopen("libX11.so.6", RTLD_LAZY | RTLD_LOCAL), "XSetErrorHandler")) was_ = setErrorHandler(ignoreError);
+}
+
+XDisplayHolder::ErrorsIgnored::~ErrorsIgnored()
+{
+    void* (*setErrorHandler)(void*);
+    if (load(setErrorHandler, dlopen("libX11.so.6", RTLD_LAZY | RTLD_LOCAL), "XSetErrorHandler")) setErrorHandler(was_);
+}
+
+Ptr<XDisplayHolder> XDisplayHolder::create(String& reason)
 {
     const char* name = std::getenv("DISPLAY");
     if (!name || !*name)
     {
         reason = "DISPLAY is not set";
-        return false;
+        return Ptr<XDisplayHolder>();
     }
     void* (*openDisplay)(const char*);
     int (*closeDisplay)(void*);
     int (*queryExtension)(void*, const char*, int*, int*, int*);
+    int (*defaultScreen)(void*);
+    int (*release)(void*);
     void* x11 = dlopen("libX11.so.6", RTLD_LAZY | RTLD_LOCAL);
     if (!load(openDisplay, x11, "XOpenDisplay") || !load(closeDisplay, x11, "XCloseDisplay") || !load(queryExtension, x11, "XQueryExtension"))
     {
         reason = "libX11.so.6 is not installed";
-        return false;
+        return Ptr<XDisplayHolder>();
     }
     void* display = openDisplay(name);
     if (!display)
     {
         reason = format("no X server answers at DISPLAY %s", name);
-        return false;
+        return Ptr<XDisplayHolder>();
     }
-    int opcode, event, error;
-    const bool glx = queryExtension(display, "GLX", &opcode, &event, &error) != 0;
-    closeDisplay(display);
-    if (!glx) reason = format("the X server at DISPLAY %s has no GLX", name);
-    return glx;
+    const Ptr<XDisplayHolder> holder(new XDisplayHolder(display, closeDisplay));
+    reason = format("the X server at DISPLAY %s has no GLX that draws in colour and depth", name);
+    int opcode, event, error, n = 0;
+    if (!queryExtension(display, "GLX", &opcode, &event, &error)) return Ptr<XDisplayHolder>();
+    void* glx = dlopen("libGLX.so.0", RTLD_LAZY | RTLD_LOCAL);
+    if (!glx) glx = dlopen("libGL.so.1", RTLD_LAZY | RTLD_LOCAL);
+    void** (*chooseConfig)(void*, int, const int*, int*);
+    void* (*getVisual)(void*, void*);
+    if (!load(defaultScreen, x11, "XDefaultScreen") || !load(release, x11, "XFree") || !load(chooseConfig, glx, "glXChooseFBConfig")
+        || !load(getVisual, glx, "glXGetVisualFromFBConfig"))
+        return Ptr<XDisplayHolder>();
+    const int wanted[] = {GLX_RED_SIZE, 8, GLX_GREEN_SIZE, 8, GLX_BLUE_SIZE, 8, GLX_DEPTH_SIZE, 1, 0};
+    void** configs = chooseConfig(display, defaultScreen(display), wanted, &n);
+    void* visual = configs && n > 0 ? getVisual(display, configs[0]) : 0;
+    if (configs) release(configs);
+    if (!visual) return Ptr<XDisplayHolder>();
+    release(visual);
+    return holder;
 }
 
 #endif

@@ -69,9 +69,34 @@ private:
     } egl_;
 };
 
-/** @brief Whether the environment names an X server that answers and speaks GLX.
-@param reason why not */
-bool canOpenX(String& reason);
+/** @brief A connection to an X server that speaks GLX. */
+class XDisplayHolder
+{
+public:
+    /** @param reason why there is none, if the result is empty */
+    static Ptr<XDisplayHolder> create(String& reason);
+    ~XDisplayHolder();
+
+    void* const display;
+
+    /** @brief While it lives, errors the X server reports are passed over: by default they end the process. */
+    class ErrorsIgnored
+    {
+    public:
+        ErrorsIgnored();
+        ~ErrorsIgnored();
+
+    private:
+        void* was_;
+    };
+
+private:
+    XDisplayHolder(void* newDisplay, int (*close)(void*)) : display(newDisplay), close_(close) {}
+    XDisplayHolder(const XDisplayHolder&);
+    XDisplayHolder& operator=(const XDisplayHolder&);
+
+    int (*close_)(void*);
+};
 
 }} // namespace cv::surgtrack
 

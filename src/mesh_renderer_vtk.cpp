@@ -2,17 +2,15 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
-#include "egl_context.hpp"
+#include "vtk_window.hpp"
 
 #include <vtkActor.h>
 #include <vtkCamera.h>
 #include <vtkCellArray.h>
 #include <vtkCullerCollection.h>
 #include <vtkFloatArray.h>
-#include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkMatrix4x4.h>
 #include <vtkNew.h>
-#include <vtkObjectFactory.h>
 #include <vtkOpenGLPolyDataMapper.h>
 #include <vtkOpenGLVertexBufferObject.h>
 #include <vtkPointData.h>
@@ -21,10 +19,8 @@
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
 #include <vtkShaderProperty.h>
-#include <vtkSmartPointer.h>
 #include <vtkUniforms.h>
 #include <vtkUnsignedCharArray.h>
-#include <vtkVersionMacros.h>
 
 // One pass of OpenGL: a fragment shader writes id and shade as colour, the z-buffer is the depth. OpenGL draws straight lines
 // only, so a camera with distortion gets a finer image without, from which each pixel takes the sample nearest to its ray.
@@ -65,67 +61,6 @@ const char* const fragmentShader =
     "  gl_FragData[0] = vec4(instanceId, shade, 0.0, 1.0);\n"
     "}\n";
 
-/** VTK's messages go to the terminal; ours are exceptions. */
-struct Quiet
-{
-    Quiet() : was(vtkObject::GetGlobalWarningDisplay()) { vtkObject::SetGlobalWarningDisplay(0); }
-    ~Quiet() { vtkObject::SetGlobalWarningDisplay(was); }
-    int was;
-};
-
-class EGLRenderWindow : public vtkGenericOpenGLRenderWindow
-{
-public:
-    static EGLRenderWindow* New();
-    vtkTypeMacro(EGLRenderWindow, vtkGenericOpenGLRenderWindow);
-
-    void setContext(const Ptr<EGLContextHolder>& context) { context_ = context; }
-    void MakeCurrent() override { if (context_) context_->makeCurrent(); }
-    bool IsCurrent() override { return context_ && context_->isCurrent(); }
-    int SupportsOpenGL() override { return 1; }
-    vtkTypeBool IsDirect() override { return 1; }
-
-    void OpenGLInitContext() override
-    {
-        Superclass::OpenGLInitContext();
-#if VTK_MAJOR_VERSION == 9 && VTK_MINOR_VERSION < 4
-        // A GLEW made for GLX loads all functions, then finds no GLX display (its error 4) and VTK gives up. Every other of its
-        // errors was excluded when the context was made: it has a version, and that is 3.2.
-        if (!this->GlewInitValid)
-        {
-            this->GlewInitValid = true;
-            this->Initialized = true;
-        }
-#endif
-    }
-
-private:
-    Ptr<EGLContextHolder> context_;
-};
-
-vtkStandardNewMacro(EGLRenderWindow);
-
-vtkSmartPointer<vtkOpenGLRenderWindow> openXWindow(String& reason)
-{
-    vtkSmartPointer<vtkOpenGLRenderWindow> window;
-    if (!canOpenX(reason)) return window;   // VTK would end the process
-    vtkSmartPointer<vtkRenderWindow> any = vtkSmartPointer<vtkRenderWindow>::New();
-    window = vtkOpenGLRenderWindow::SafeDownCast(any);
-    if (!window) reason = "VTK was built without OpenGL windows";
-    return window;
-}
-
-vtkSmartPointer<vtkOpenGLRenderWindow> openEGLWindow(String& reason)
-{
-    vtkSmartPointer<vtkOpenGLRenderWindow> window;
-    const Ptr<EGLContextHolder> context = EGLContextHolder::create(reason);
-    if (!context) return window;
-    vtkSmartPointer<EGLRenderWindow> egl = vtkSmartPointer<EGLRenderWindow>::New();
-    egl->setContext(context);
-    window = egl;
-    return window;
-}
-
 struct VTKMesh
 {
     vtkSmartPointer<vtkPolyData> data;
@@ -152,7 +87,7 @@ struct CameraRays
 class VTKRenderer CV_FINAL : public MeshRenderer
 {
 public:
-    explicit VTKRenderer(const vtkSmartPointer<vtkOpenGLRenderWindow>& window);
+    explicit VTKRenderer(const Drawable& drawable);
     ~VTKRenderer() CV_OVERRIDE;
 
     int addMesh(const Mesh& mesh) CV_OVERRIDE;
@@ -166,6 +101,7 @@ private:
     void draw(const Pinhole& pinhole, double nearest, double farthest);
     const Mat_<Vec2f>& raysOf(const CameraModel& camera);
 
+    Ptr<XDisplayHolder> display_;
     vtkSmartPointer<vtkOpenGLRenderWindow> window_;
     vtkSmartPointer<vtkRenderer> renderer_;
     vtkSmartPointer<vtkMatrix4x4> projection_;
@@ -175,8 +111,8 @@ private:
     std::vector<CameraRays> cameras_;
 };
 
-VTKRenderer::VTKRenderer(const vtkSmartPointer<vtkOpenGLRenderWindow>& window)
-    : window_(window), renderer_(vtkSmartPointer<vtkRenderer>::New()), projection_(vtkSmartPointer<vtkMatrix4x4>::New()),
+VTKRenderer::VTKRenderer(const Drawable& drawable)
+    : display_(drawable.display), window_(drawable.window), renderer_(vtkSmartPointer<vtkRenderer>::New()), projection_(vtkSmartPointer<vtkMatrix4x4>::New()),
       colours_(vtkSmartPointer<vtkUnsignedCharArray>::New()), depths_(vtkSmartPointer<vtkFloatArray>::New())
 {
     window_->SetOffScreenRendering(1);
@@ -411,6 +347,7 @@ void VTKRenderer::render(const CameraModel& camera, const Rect& window, const st
     const uchar* colours = colours_->GetPointer(0);
     const float* depths = depths_->GetPointer(0);
     const float a = float(1 / n), b = float((f - n) / (f * n));   // 1 / z is linear in the z-buffer's value
+    const bool distorted = !rays.empty();
     for (int y = 0; y < window.height; y++)
     {
         float* depth = rendering.depth.ptr<float>(y);
@@ -419,7 +356,7 @@ void VTKRenderer::render(const CameraModel& camera, const Rect& window, const st
         for (int x = 0; x < window.width; x++)
         {
             int column = x, row = y;
-            if (!rays.empty())
+            if (distorted)
             {
                 const Vec2f ray = rays(y, x);
                 column = std::min(std::max(cvRound(ray[0] * pinhole.fx + pinhole.cx), 0), pinhole.width - 1);
@@ -445,21 +382,14 @@ bool VTKRenderer::test()
     mesh.triangles.push_back(Vec3i(0, 2, 1));
     mesh.triangles.push_back(Vec3i(0, 3, 2));
 
+    SavedGLContexts saved;
+    Quiet quiet;
+    window_->SetSize(16, 16);
+    window_->Initialize();
+    window_->MakeCurrent();
+    if (!window_->IsCurrent()) return false;
     int major = 0, minor = 0;
-    {
-        SavedGLContexts saved;
-        Quiet quiet;
-        window_->SetSize(16, 16);
-        window_->Initialize();
-        if (EGLRenderWindow* egl = EGLRenderWindow::SafeDownCast(window_))
-        {
-            egl->MakeCurrent();
-            egl->OpenGLInit();
-        }
-        window_->MakeCurrent();
-        if (!window_->IsCurrent()) return false;
-        window_->GetOpenGLVersion(major, minor);
-    }
+    window_->GetOpenGLVersion(major, minor);
     if (major * 10 + minor < 32) return false;
 
     MeshInstance instance;
@@ -480,26 +410,24 @@ bool VTKRenderer::test()
 
 Ptr<MeshRenderer> MeshRenderer::createVTK()
 {
-    typedef vtkSmartPointer<vtkOpenGLRenderWindow> (*Opener)(String&);
+    typedef Drawable (*Opener)(String&);
     const Opener openers[2] = {openXWindow, openEGLWindow};
     const char* const names[2] = {"X", "EGL"};
     String reasons;
     for (int i = 0; i < 2; i++)
     {
         String reason;
-        vtkSmartPointer<vtkOpenGLRenderWindow> window;
+        Ptr<VTKRenderer> renderer;
+        XDisplayHolder::ErrorsIgnored ignored;
         {
             SavedGLContexts saved;
             Quiet quiet;
-            window = openers[i](reason);
+            const Drawable drawable = openers[i](reason);
+            if (drawable.window) renderer = makePtr<VTKRenderer>(drawable);
         }
-        if (window)
-        {
-            Ptr<VTKRenderer> renderer = makePtr<VTKRenderer>(window);
-            window = 0;
-            if (renderer->test()) return renderer;
-            reason = "OpenGL 3.2 does not work there";
-        }
+        if (renderer && renderer->test()) return renderer;
+        if (renderer) reason = "OpenGL 3.2 does not work there";
+        renderer.release();   // closes the display, which waits for its errors
         reasons += format("%s%s: %s", i ? "; " : "", names[i], reason.c_str());
     }
     CV_Error(Error::StsNotImplemented, "VTK can draw neither through an X server nor without one. " + reasons);
