@@ -132,9 +132,9 @@ CONF
   while read -r version; do
     at_least_4_6 "$version" || continue
     if [[ -z "$best" ]] || dpkg --compare-versions "$version" gt "$best"; then best="$version"; fi
-  done < <(apt-cache -c "$settings" showsrc --only-source opencv 2>>"$log" | awk '$1 == "Version:" { print $2 }')
+  done < <(apt-cache -c "$settings" showsrc --only-source opencv 2>>"$log" | awk '$1 == "Version:" { print $2 }' || true)
   if [[ -z "$best" ]]; then
-    echo "the distribution has no source package of OpenCV 4.6 or newer (log: $log)" >&2
+    echo "no source package of OpenCV 4.6 or newer is to be had from the distribution (log: $log)" >&2
     return 1
   fi
   echo "source package opencv $best"
@@ -203,6 +203,7 @@ configure() {
   # shellcheck disable=SC2054
   options=(-G Ninja -S "$OPENCV_SOURCE" -B "$BUILD_DIR" -DCMAKE_BUILD_TYPE=Release
     "-DOPENCV_EXTRA_MODULES_PATH=$REPO" "-DOPENCV_DOWNLOAD_PATH=$BUILD_DIR/.cache"
+    -DOPENCV_VCSVERSION=unknown -DBUILD_INFO_SKIP_EXTRA_MODULES=ON   # else each commit here would rebuild OpenCV's core
     -DBUILD_LIST=surgtrack,ts,python3,python_tests -DBUILD_EXAMPLES=ON
     -DBUILD_TESTS=ON -DOPENCV_BUILD_TEST_MODULES_LIST=surgtrack
     -DBUILD_PERF_TESTS=ON -DOPENCV_BUILD_PERF_TEST_MODULES_LIST=surgtrack
