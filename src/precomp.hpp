@@ -1,5 +1,45 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
 #ifndef OPENCV_SURGTRACK_PRECOMP_HPP
 #define OPENCV_SURGTRACK_PRECOMP_HPP
+
 #include "opencv2/surgtrack.hpp"
+#include "opencv2/imgproc.hpp"
 #include "opencv2/core/private.hpp"
+#include "opencv2/core/utility.hpp"
+
+namespace cv { namespace surgtrack {
+
+//! Asserts that every element of a numeric array is finite; name is the argument's, for the message.
+void checkFinite(InputArray values, const char* name);
+
+//! As a N x channels CV_64F matrix (a copy if need be), finite; for arguments that may come as N x channels or N-vectors of points.
+Mat asRows(InputArray values, int channels, const char* name);
+
+inline Point3d transform(const Matx44d& T, const Point3d& p)
+{
+    return Point3d(T(0, 0) * p.x + T(0, 1) * p.y + T(0, 2) * p.z + T(0, 3),
+                   T(1, 0) * p.x + T(1, 1) * p.y + T(1, 2) * p.z + T(1, 3),
+                   T(2, 0) * p.x + T(2, 1) * p.y + T(2, 2) * p.z + T(2, 3));
+}
+
+//! Inverse of a rigid transform.
+inline Matx44d rigidInverse(const Matx44d& T)
+{
+    Matx44d inv = Matx44d::eye();
+    for (int r = 0; r < 3; r++)
+    {
+        for (int c = 0; c < 3; c++) inv(r, c) = T(c, r);
+        inv(r, 3) = -(T(0, r) * T(0, 3) + T(1, r) * T(1, 3) + T(2, r) * T(2, 3));
+    }
+    return inv;
+}
+
+//! Whether T is a finite rotation and translation (within tolerance 1e-5 of orthonormal, right-handed).
+bool isRigid(const Matx44d& T);
+
+}} // namespace cv::surgtrack
+
 #endif

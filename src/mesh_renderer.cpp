@@ -1,0 +1,56 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+
+namespace cv { namespace surgtrack {
+
+void Rendering::create(const Rect& newWindow)
+{
+    window = newWindow;
+    const size_t n = window.area();
+    if (storage_.total() < 6 * n) storage_.create(1, int(6 * n), CV_8UC1);
+    depth = Mat(window.size(), CV_32FC1, storage_.data);
+    ids = Mat(window.size(), CV_8UC1, storage_.data + 4 * n);
+    shading = Mat(window.size(), CV_8UC1, storage_.data + 5 * n);
+}
+
+void MeshRenderer::renderTool(const Ptr<ToolModel>& tool, InputArray joints, const Matx44d& camera_T_base, const CameraModel& camera,
+                              OutputArray depth, OutputArray ids, OutputArray shading)
+{
+    CV_Assert(tool);
+    if (!isRigid(camera_T_base)) CV_Error(Error::StsBadArg, "camera_T_base must be a rigid transform");
+    int firstMesh = -1;
+    for (size_t i = 0; i < tools_.size(); i++)
+        if (tools_[i].first == tool) firstMesh = tools_[i].second;
+    if (firstMesh < 0)
+    {
+        for (size_t i = 0; i < tool->meshes().size(); i++)
+        {
+            const int handle = addMesh(tool->meshes()[i]);
+            if (i == 0) firstMesh = handle;
+        }
+        tools_.push_back(std::make_pair(tool, firstMesh));
+    }
+
+    std::vector<Matx44d> base_T_link;
+    tool->forwardKinematics(joints, base_T_link);
+    std::vector<MeshInstance> instances;
+    for (size_t i = 0; i < tool->links().size(); i++)
+    {
+        if (tool->links()[i].mesh < 0) continue;
+        MeshInstance instance;
+        instance.mesh = firstMesh + tool->links()[i].mesh;
+        instance.id = std::min(int(i) + 1, 255);
+        instance.camera_T_mesh = camera_T_base * base_T_link[i];
+        instances.push_back(instance);
+    }
+    Rendering rendering;
+    render(camera, Rect(Point(), camera.imageSize()), instances, rendering);
+    rendering.depth.copyTo(depth);
+    rendering.ids.copyTo(ids);
+    rendering.shading.copyTo(shading);
+}
+
+}} // namespace cv::surgtrack
