@@ -141,12 +141,12 @@ run_samples() {
   rm -rf "$work"
   mkdir "$work"
   sample "make_sequence" limited "$make" --out="$work/sequence" --frames="$frames" --seed=3
-  sample "make_sequence, two tools, another size" limited "$make" --out="$work/two" --frames=4 --tools=2 --width=641 --height=479
+  sample "make_sequence, two tools, another size" limited "$make" --out="$work/two" --frames=4 --tools=2 --width=642 --height=478
   sample "track_sequence on a sequence" limited "$track" --sequence="$work/sequence" --poses="$work/poses.csv" \
     --video="$work/overlay.mp4" --frames="$frames" --quiet
   sample "its poses file" poses_complete "$work/poses.csv" "$frames"
   sample "its video" video_readable "$work/overlay.mp4" "$frames"
-  sample "track_sequence on the built-in sequence" limited "$track" --frames="$frames" --poses="$work/builtin.csv"
+  sample "track_sequence on the built-in sequence" limited env -C "$work" "$track" --frames="$frames" --poses="$work/builtin.csv"
   sample "its poses file" poses_complete "$work/builtin.csv" "$frames"
   sample "track_sequence, method epnp, two tools" limited "$track" --sequence="$work/two" --method=epnp --frames=4 --poses="$work/two.csv"
   sample "its poses file" poses_complete "$work/two.csv" 4
@@ -154,7 +154,7 @@ run_samples() {
     --poses="$work/python.csv" --frames="$frames"
   sample "its poses file" poses_complete "$work/python.csv" "$frames"
   sample "refused: no such sequence" refuses "$work/none" "$track" --sequence="$work/none"
-  sample "refused: no such method" refuses method "$track" --method=none
+  sample "refused: no such method" refuses method "$track" --sequence="$work/sequence" --method=none
   sample "refused: output folder missing" refuses "$work/none/poses.csv" "$track" --sequence="$work/sequence" \
     --poses="$work/none/poses.csv"
   [[ ! -c /dev/full ]] || sample "refused: disk full" refuses /dev/full "$track" --sequence="$work/sequence" --poses=/dev/full --quiet
