@@ -186,7 +186,8 @@ ensure_source() {
     fi
   fi
   version="$(source_version "$OPENCV_SOURCE")"
-  [[ -n "$version" ]] || die "this is not OpenCV's source: $OPENCV_SOURCE (modules/core/include/opencv2/core/version.hpp is missing)"
+  [[ -n "$version" ]] ||
+    die "this is not OpenCV's source: $OPENCV_SOURCE (modules/core/include/opencv2/core/version.hpp is missing)"
   at_least_4_6 "$version" || die "OpenCV $version is too old, 4.6 or newer is needed: $OPENCV_SOURCE"
   echo "OpenCV $version in $OPENCV_SOURCE"
 }
@@ -246,9 +247,20 @@ configure() {
     grep 'opencv_surgtrack disabled' "$log" >&2 || true
     die "the module is disabled: VTK 9 and Eigen 3.3 are needed (log: $log)"
   fi
-  [[ "$cached" == *";opencv_python3;"* ]] || die "OpenCV's Python bindings are unavailable: $PYTHON needs its headers and numpy (log: $log)"
+  [[ "$cached" == *";opencv_python3;"* ]] ||
+    die "OpenCV's Python bindings are unavailable: $PYTHON needs its headers and numpy (log: $log)"
   grep -Eq 'FFMPEG: +YES' "$log" || die "OpenCV did not find FFmpeg's libraries, videos could not be read (log: $log)"
   printf '%s\n' "$wanted" >"$stamp"
+}
+
+# ccache fails, and every compilation with it, if it cannot write to its folder.
+ensure_ccache() {
+  local folder
+  command -v ccache >/dev/null || return 0
+  folder="$(ccache --get-config cache_dir 2>/dev/null || true)"
+  if [[ -z "$folder" ]] || ! mkdir -p "$folder/tmp" 2>/dev/null || [[ ! -w "$folder/tmp" ]]; then
+    export CCACHE_DIR="$BUILD_DIR/.ccache"
+  fi
 }
 
 # build TARGET...: everything that is needed to have these targets up to date in BUILD_DIR.
@@ -256,6 +268,7 @@ build() {
   mkdir -p "$LOGS"
   ensure_tools
   ensure_source
+  ensure_ccache
   configure
   step "Building ($JOBS jobs)"
   export NINJA_STATUS='[%f/%t %es] '

@@ -118,7 +118,8 @@ refuses() {
 poses_complete() {
   awk -F, -v frames="$2" '
     NR == 1 { header = ($0 ~ /^frame,time,tool,status,tx,ty,tz,qx,qy,qz,qw(,|\r?$)/); next }
-    { rows[$1]++; n++; if (tolower($0) ~ /(^|,)[-+]?(nan|inf)/) bad = 1; if ($4 !~ /^(initializing|tracking|coasting|lost)$/) bad = 1 }
+    { rows[$1]++; n++ }
+    tolower($0) ~ /(^|,)[-+]?(nan|inf)/ || $4 !~ /^(initializing|tracking|coasting|lost)$/ { bad = 1 }
     END {
       for (f in rows) { distinct++; if (rows[f] * frames != n) bad = 1 }
       if (!header || bad || distinct != frames) { print "header " header ", " n " rows, " distinct " frames"; exit 1 }
@@ -136,8 +137,8 @@ assert n == int(sys.argv[2]), "%d frames" % n' "$1" "$2"
 }
 
 run_samples() {
-  local work frames=12 track="$BUILD_DIR/bin/example_surgtrack_track_sequence" make="$BUILD_DIR/bin/example_surgtrack_make_sequence"
-  work="$BUILD_DIR/test-samples"
+  local work="$BUILD_DIR/test-samples" frames=12
+  local track="$BUILD_DIR/bin/example_surgtrack_track_sequence" make="$BUILD_DIR/bin/example_surgtrack_make_sequence"
   rm -rf "$work"
   mkdir "$work"
   sample "make_sequence" limited "$make" --out="$work/sequence" --frames="$frames" --seed=3
@@ -148,7 +149,8 @@ run_samples() {
   sample "its video" video_readable "$work/overlay.mp4" "$frames"
   sample "track_sequence on the built-in sequence" limited env -C "$work" "$track" --frames="$frames" --poses="$work/builtin.csv"
   sample "its poses file" poses_complete "$work/builtin.csv" "$frames"
-  sample "track_sequence, method epnp, two tools" limited "$track" --sequence="$work/two" --method=epnp --frames=4 --poses="$work/two.csv"
+  sample "track_sequence, method epnp, two tools" limited "$track" --sequence="$work/two" --method=epnp \
+    --frames=4 --poses="$work/two.csv"
   sample "its poses file" poses_complete "$work/two.csv" 4
   sample "track_sequence.py" python_cv2 "$REPO/samples/track_sequence.py" --sequence="$work/sequence" \
     --poses="$work/python.csv" --frames="$frames"
@@ -157,7 +159,9 @@ run_samples() {
   sample "refused: no such method" refuses method "$track" --sequence="$work/sequence" --method=none
   sample "refused: output folder missing" refuses "$work/none/poses.csv" "$track" --sequence="$work/sequence" \
     --poses="$work/none/poses.csv"
-  [[ ! -c /dev/full ]] || sample "refused: disk full" refuses /dev/full "$track" --sequence="$work/sequence" --poses=/dev/full --quiet
+  if [[ -c /dev/full ]]; then
+    sample "refused: disk full" refuses /dev/full "$track" --sequence="$work/sequence" --poses=/dev/full --quiet
+  fi
   sample "refused: no such tool file" refuses "$work/none.yaml" "$make" --out="$work/never" --tool="$work/none.yaml"
   count "samples" "$sample_passed" "$sample_failed" 0
 }
