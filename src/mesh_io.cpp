@@ -311,7 +311,7 @@ void MeshFileChecker::checkOBJ()
                 const long long index = std::strtoll(c, &end, 10);
                 const bool omitted = end == c && k == 1;
                 if ((*end && *end != '/') || (!omitted && (index == 0 || index > count[k] || index < -count[k])))
-                    fail(format("line %d: `%s` does not name a vertex, texture or normal that the file has so far", number, corner.c_str()));
+                    fail(format("line %d: `%s` names a vertex, texture or normal that is not there", number, corner.c_str()));
                 c = *end ? end + 1 : end;
             }
         }
