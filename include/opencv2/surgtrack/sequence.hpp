@@ -24,7 +24,7 @@ struct CV_EXPORTS_W_SIMPLE SequenceTool
 };
 
 /** @brief A recorded sequence: a folder with sequence.yaml, video, kinematics.csv and, where known, groundtruth.csv.
-The format is described in doc/formats.md. Frame k is at time k / fps. */
+The format is described in doc/formats.md. Frame k is at time k / fps. Keys and columns that are not known are ignored. */
 class CV_EXPORTS_W Sequence
 {
 public:
@@ -46,30 +46,45 @@ public:
     /** @brief Joint readings at a time, linearly interpolated between the two nearest records.
     @param tool index
     @param time [s]
-    @param joints one value per column of kinematics.csv after `time,tool`, [rad or m]
-    @return false if the time lies outside the records (by more than one sampling interval); joints is then unchanged */
-    CV_WRAP bool jointsAt(int tool, double time, CV_OUT std::vector<double>& joints) const;
+    @param joints one value per wanted coordinate [rad or m]
+    @param coordinates the coordinates wanted, as ToolModel::coordinateNames(); empty = all of jointNames()
+    @return false if the time lies outside the records (by more than one sampling interval); joints is then unchanged
+    @throws cv::Exception if kinematics.csv has no column for a coordinate */
+    CV_WRAP bool jointsAt(int tool, double time, CV_OUT std::vector<double>& joints,
+                          const std::vector<String>& coordinates = std::vector<String>()) const;
 
-    //! Names of the joint columns of kinematics.csv.
+    //! Names of the joint columns of kinematics.csv: all but `time` and `tool`.
     CV_WRAP std::vector<String> jointNames() const { return jointNames_; }
+
+    //! Time of a tool's first and last joint reading [s].
+    CV_WRAP double firstTime(int tool) const;
+    CV_WRAP double lastTime(int tool) const;
+
+    CV_WRAP String kinematicsFile() const { return kinematicsFile_; }
 
     /** @brief Ground truth of a frame.
     @param tool index
     @param frame number
     @param camera_T_tool true pose
-    @param joints true joint values; empty if the file has none
-    @return false if there is none for this frame */
+    @param joints true joint values in the order of jointNames(); empty if the file lacks one of these columns
+    @return false if there is none for this frame; the outputs are then unchanged */
     CV_WRAP bool groundTruth(int tool, int frame, CV_OUT Matx44d& camera_T_tool, CV_OUT std::vector<double>& joints) const;
+    //! Whether the folder has a groundtruth.csv.
     CV_WRAP bool hasGroundTruth() const;
+    //! One more than the last frame with ground truth; 0 without.
+    CV_WRAP int groundTruthEnd() const;
 
 private:
     struct JointRecords { std::vector<double> times; std::vector<double> values; };   // values: row-major, a row a time
     struct Truth { Matx44d camera_T_tool; std::vector<double> joints; };
 
-    void readKinematics(const String& filename);
-    void readGroundTruth(const String& filename);
+    Sequence();
+    void readDescription(const String& folder, const String& filename);
+    void readKinematics();
+    void readGroundTruth();
+    const JointRecords& records(int tool) const;
 
-    String name_, leftVideo_, rightVideo_;
+    String name_, leftVideo_, rightVideo_, kinematicsFile_, groundTruthFile_;
     double fps_;
     CameraModel left_, right_;
     Matx44d right_T_left_;
@@ -100,6 +115,40 @@ public:
     @throws cv::Exception naming the file if the row can't be written (as on a full disk) */
     CV_WRAP virtual void write(int frame, double time, const String& tool, int state, const Matx44d& camera_T_tool,
                                const std::vector<double>& extra = std::vector<double>()) = 0;
+};
+
+/** @brief How good the poses of one tool are, measured against the truth. */
+struct CV_EXPORTS_W_SIMPLE PoseScore
+{
+    CV_WRAP PoseScore();
+    CV_PROP int frames;                 //!< with truth
+    CV_PROP int covered;                //!< of these, with a pose that claims to be one: tracking or coasting
+    CV_PROP double translationMean;     //!< distance of the end effector from its true place, over the covered frames [m]; 0 without any
+    CV_PROP double translationStd;      //!< its standard deviation [m]
+    CV_PROP double rotationMean;        //!< angle between estimated and true orientation, over the covered frames [rad]
+    CV_PROP double rotationStd;         //!< its standard deviation [rad]
+    CV_PROP double accuracy;            //!< share of all frames whose end effector is at most 10 pixel off in an image 720 pixel wide (paper, Sec. 3)
+    CV_PROP double silent;              //!< share of all frames that claim to be tracking and are more than 5 mm off
+};
+
+/** @brief Compares poses with the truth, as Table 1 of the paper does. */
+class CV_EXPORTS_W PoseScorer
+{
+public:
+    /** @param camera of the image the reprojection error is taken in; its distortion is left out
+    @param tools number of tools */
+    CV_WRAP static Ptr<PoseScorer> create(const CameraModel& camera, int tools);
+    virtual ~PoseScorer() {}
+
+    /** @brief Takes in one frame of one tool.
+    @param tool index
+    @param state see cv::surgtrack::TrackingState
+    @param camera_T_tool estimate
+    @param true_camera_T_tool truth */
+    CV_WRAP virtual void add(int tool, int state, const Matx44d& camera_T_tool, const Matx44d& true_camera_T_tool) = 0;
+
+    //! @param tool index; -1 = all tools together
+    CV_WRAP virtual PoseScore score(int tool = -1) const = 0;
 };
 
 //! @}

@@ -82,7 +82,7 @@ public:
 
     /** @brief Reads a tool file and its meshes (paths relative to the tool file).
     @param filename YAML, XML or JSON
-    @param maxTriangles a tool with more triangles than this is decimated, the meshes in proportion to their own count; 0 = never
+    @param maxTriangles a tool with more triangles than this is decimated, all meshes to the same closeness; 0 = never
     @throws cv::Exception naming the file, the key and what was expected */
     CV_WRAP static Ptr<ToolModel> load(const String& filename, int maxTriangles = 20000);
 

@@ -1,0 +1,78 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+// Makes a synthetic sequence: a folder as track_sequence takes it, with exact truth.
+
+#include "opencv2/surgtrack.hpp"
+#include "common.hpp"
+
+using namespace cv;
+using namespace cv::surgtrack;
+
+static const char* const KEYS =
+    "{ help h           |     | print this }"
+    "{ out              |     | folder to write; is made if it does not exist }"
+    "{ tool             |     | tool file; without it the built-in needle driver }"
+    "{ tools            | 1   | number of tools, 1 or 2 }"
+    "{ frames           | 100 | number of frames }"
+    "{ seed             | 1   | all that is random follows from it }"
+    "{ width            | 720 | of the image [pixel] }"
+    "{ height           | 576 | of the image [pixel] }"
+    "{ fps              | 25  | frames a second }"
+    "{ stereo           |     | write a right video too }"
+    "{ distortion       |     | a lens with distortion }"
+    "{ hand-eye-degrees | 3   | error of the recorded hand-eye calibration [degree] }"
+    "{ hand-eye-mm      | 6   | the same [mm], at the tool }"
+    "{ joint-noise      | 1   | scale of the errors of the recorded joints; 0 = exact }"
+    "{ image-noise      | 3   | standard deviation of the image noise [grey levels] }"
+    "{ quiet            |     | do not say what was written }";
+
+int main(int argc, char** argv)
+{
+    common::silenceLibraries();
+    try
+    {
+        const char* const options[] = { "out", "tool", "tools", "frames", "seed", "width", "height", "fps", "hand-eye-degrees", "hand-eye-mm",
+                                        "joint-noise", "image-noise" };
+        const char* const flags[] = { "help", "stereo", "distortion", "quiet" };
+        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 12), std::vector<std::string>(flags, flags + 4));
+        CommandLineParser parser(argc, argv, KEYS);
+        parser.about("Makes a synthetic sequence of surgical tools over tissue, with exact truth.");
+        if (parser.has("help"))
+        {
+            parser.printMessage();
+            return 0;
+        }
+        const String folder = parser.get<String>("out"), tool = parser.get<String>("tool");
+        if (folder.empty())
+            common::fail("expected --out=DIR, see --help");
+        SyntheticScene::Params params;
+        params.tools = common::integer(parser, "tools", 1, 2);
+        params.frames = common::integer(parser, "frames", 1);
+        params.seed = common::integer(parser, "seed", 0);
+        params.imageSize = Size(common::integer(parser, "width", 64, 8192), common::integer(parser, "height", 64, 8192));
+        params.fps = common::number(parser, "fps", 0.1, 1000);
+        params.stereo = parser.has("stereo");
+        params.distortion = parser.has("distortion");
+        params.handEyeRotation = common::number(parser, "hand-eye-degrees", 0, 45) * CV_PI / 180;
+        params.handEyeTranslation = common::number(parser, "hand-eye-mm", 0, 100) * 1e-3;
+        params.jointNoise = common::number(parser, "joint-noise", 0, 100);
+        params.imageNoise = common::number(parser, "image-noise", 0, 100);
+
+        const Ptr<ToolModel> model = tool.empty() ? ToolModel::needleDriver() : ToolModel::load(tool);
+        SyntheticScene::create(model, params)->write(folder);
+        if (!parser.has("quiet"))
+            std::printf("%s: %d frames of %dx%d, %d tool%s (%s)\n", folder.c_str(), params.frames, params.imageSize.width,
+                        params.imageSize.height, params.tools, params.tools > 1 ? "s" : "", model->name().c_str());
+        return 0;
+    }
+    catch (const Exception& e)
+    {
+        return common::reportError("make_sequence", e);
+    }
+    catch (const std::exception& e)
+    {
+        return common::reportError("make_sequence", Exception(Error::StsError, e.what(), "", "", 0));
+    }
+}

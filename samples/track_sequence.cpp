@@ -1,0 +1,370 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+// Tracks the tools of a recorded sequence: video, joint readings and a rough hand-eye calibration in, tool poses out.
+
+#include <map>
+#include "opencv2/imgproc.hpp"
+#include "opencv2/videoio.hpp"
+#include "opencv2/surgtrack.hpp"
+#include "common.hpp"
+
+using namespace cv;
+using namespace cv::surgtrack;
+using common::fail;
+
+namespace {
+
+const char* const KEYS =
+    "{ help h   |       | print this }"
+    "{ sequence |       | folder of the sequence; without it a synthetic one is made in ./surgtrack_demo and tracked }"
+    "{ poses    |       | CSV file to write the poses to }"
+    "{ video    |       | MP4 file to draw the result into: kinematics in red, estimate in green, matched parts as dots }"
+    "{ method   | paper | paper: Ye et al. 2016; epnp: their baseline, EPnP on each frame alone }"
+    "{ stereo   |       | use the right image too }"
+    "{ start    | 0     | first frame }"
+    "{ frames   | 0     | number of frames, 0 = to the end of the video }"
+    "{ quiet    |       | no progress }";
+
+struct Options
+{
+    String sequence, poses, video;
+    int method, start, frames;
+    bool quiet;
+};
+
+Options readOptions(const CommandLineParser& parser)
+{
+    Options options;
+    options.sequence = parser.get<String>("sequence");
+    options.poses = parser.get<String>("poses");
+    options.video = parser.get<String>("video");
+    options.start = common::integer(parser, "start", 0);
+    options.frames = common::integer(parser, "frames", 0);
+    options.quiet = parser.has("quiet");
+    const String method = parser.get<String>("method");
+    if (method != "paper" && method != "epnp")
+        fail("argument '--method=" + method + "': the methods available are paper and epnp");
+    options.method = method == "paper" ? METHOD_PAPER : METHOD_EPNP;
+    if (parser.has("stereo"))
+        fail("argument '--stereo': method " + method + " uses one image, run it without --stereo");
+    return options;
+}
+
+//! A video whose frames all have the size the sequence says.
+class FrameReader
+{
+public:
+    FrameReader(const Sequence& sequence, int start) : filename_(sequence.leftVideo()), size_(sequence.leftCamera().imageSize()), next_(0)
+    {
+        if (!capture_.open(filename_))
+            fail(filename_ + ": can't be read as a video");
+        count_ = (int)capture_.get(CAP_PROP_FRAME_COUNT);
+        while (next_ < start && capture_.grab())   // seeking is not exact in every container
+            next_++;
+        if (next_ < start)
+            fail(format("%s: has %d frames, none at --start=%d", filename_.c_str(), next_, start));
+    }
+
+    bool read(Mat& image)
+    {
+        if (!capture_.read(image) || image.empty())
+            return false;
+        if (image.size() != size_)
+            fail(format("%s: frame %d has %dx%d pixels, expected %dx%d as in sequence.yaml", filename_.c_str(), next_, image.cols, image.rows,
+                        size_.width, size_.height));
+        next_++;
+        return true;
+    }
+
+    //! Throws if the video should have gone on.
+    void checkEnd(const Sequence& sequence) const
+    {
+        if (next_ + 2 < count_)   // the count of some containers is rounded
+            fail(format("%s: ends after %d frames, expected %d as its header says", filename_.c_str(), next_, count_));
+        if (next_ < sequence.groundTruthEnd())
+            fail(format("%s: ends after %d frames, expected %d as in the ground truth", filename_.c_str(), next_, sequence.groundTruthEnd()));
+    }
+
+    int count() const { return count_; }
+
+private:
+    VideoCapture capture_;
+    String filename_;
+    Size size_;
+    int next_, count_;
+};
+
+//! The overlay video.
+class Overlay
+{
+public:
+    Overlay(const String& filename, double fps, Size size) : filename_(filename), frames_(0)
+    {
+        if (!writer_.open(filename, VideoWriter::fourcc('a', 'v', 'c', '1'), fps, size))
+            writer_.open(filename, VideoWriter::fourcc('m', 'p', '4', 'v'), fps, size);
+        if (!writer_.isOpened())
+            fail(filename + ": can't be written as a video, expected a file in a folder that exists, such as overlay.mp4");
+    }
+
+    void write(const Mat& image)
+    {
+        writer_.write(image);
+        frames_++;
+    }
+
+    //! Throws if the file does not hold what was written, as on a full disk.
+    void finish()
+    {
+        writer_.release();
+        VideoCapture check(filename_);
+        if (frames_ > 0 && (!check.isOpened() || check.get(CAP_PROP_FRAME_COUNT) < frames_))
+            fail(format("%s: not all of its %d frames were written, is the disk full?", filename_.c_str(), frames_));
+    }
+
+private:
+    VideoWriter writer_;
+    String filename_;
+    int frames_;
+};
+
+struct Tool
+{
+    SequenceTool info;
+    Ptr<ToolModel> model;
+    int tracked;    // frames
+};
+
+struct Run
+{
+    Ptr<Sequence> sequence;
+    std::vector<Tool> tools;
+    Ptr<ToolTracker> tracker;
+    Ptr<PoseScorer> scorer;
+    std::vector<std::vector<double> > timings;    // a stage, a frame [s]
+    int frames;
+    double seconds;
+};
+
+void drawResult(Mat& image, const Run& run, const std::vector<std::vector<double> >& joints, const std::vector<ToolEstimate>& estimates)
+{
+    const CameraModel camera = run.sequence->leftCamera();
+    const double scale = image.cols / 720.;
+    const int thickness = std::max(1, cvRound(scale));
+    for (size_t i = 0; i < run.tools.size(); i++)
+    {
+        const Matx44d& nominal_T_base = run.tools[i].info.nominal_T_base;
+        const ToolEstimate& estimate = estimates[i];
+        const bool known = estimate.state == STATE_TRACKING || estimate.state == STATE_COASTING;
+        drawSkeleton(image, camera, run.tools[i].model, joints[i], nominal_T_base, Scalar(0, 0, 255));
+        if (known)
+            drawSkeleton(image, camera, run.tools[i].model, joints[i], estimate.camera_T_nominal * nominal_T_base, Scalar(0, 255, 0));
+        const int parts = (int)run.tools[i].model->keypointNames().size();
+        for (size_t j = 0; j < estimate.matches.size(); j++)
+        {
+            Mat hsv(1, 1, CV_8UC3, Scalar(179. * estimate.matches[j].part / parts, 255, 255)), bgr;
+            cvtColor(hsv, bgr, COLOR_HSV2BGR);
+            circle(image, estimate.matches[j].imagePoint, cvRound(4 * scale), Scalar(bgr.at<Vec3b>(0)), FILLED, LINE_AA);
+            circle(image, estimate.matches[j].imagePoint, cvRound(4 * scale), Scalar(0, 0, 0), thickness, LINE_AA);
+        }
+        const String text = format("%s  %s  similarity %.2f", run.tools[i].info.name.c_str(), stateName(estimate.state).c_str(), estimate.similarity);
+        const Point origin(cvRound(10 * scale), cvRound((22 + 22 * (double)i) * scale));
+        putText(image, text, origin, FONT_HERSHEY_SIMPLEX, 0.55 * scale, Scalar(0, 0, 0), 3 * thickness, LINE_AA);
+        putText(image, text, origin, FONT_HERSHEY_SIMPLEX, 0.55 * scale, known ? Scalar(120, 255, 120) : Scalar(120, 120, 255), thickness, LINE_AA);
+    }
+}
+
+std::vector<double> row(const ToolEstimate& estimate)
+{
+    const double values[] = { (double)estimate.visibleParts, (double)estimate.inliers, estimate.similarity, estimate.nis };
+    return std::vector<double>(values, values + 4);
+}
+
+//! The joint readings of all tools at a frame. Throws when the records do not reach it.
+void readJoints(const Run& run, int frame, std::vector<std::vector<double> >& joints)
+{
+    const double time = frame / run.sequence->fps();
+    joints.resize(run.tools.size());
+    for (int i = 0; i < (int)run.tools.size(); i++)
+        if (!run.sequence->jointsAt(i, time, joints[i], run.tools[i].model->coordinateNames()))
+            fail(format("%s: no joint readings of tool '%s' at %.3f s (frame %d), expected the time of every frame; they cover %.3f to %.3f s",
+                        run.sequence->kinematicsFile().c_str(), run.tools[i].info.name.c_str(), time, frame, run.sequence->firstTime(i),
+                        run.sequence->lastTime(i)));
+}
+
+void prepare(const Options& options, Run& run)
+{
+    run.frames = 0;
+    run.seconds = 0;
+    String folder = options.sequence;
+    if (folder.empty())
+    {
+        folder = "surgtrack_demo";
+        if (!options.quiet)
+            std::fprintf(stderr, "making a synthetic sequence in %s\n", folder.c_str());
+        SyntheticScene::create()->write(folder);
+    }
+    run.sequence = Sequence::load(folder);
+
+    ToolTracker::Params params;
+    params.method = options.method;
+    run.tracker = ToolTracker::create(run.sequence->leftCamera(), params);
+    std::map<String, Ptr<ToolModel> > models;
+    for (int i = 0; i < run.sequence->toolCount(); i++)
+    {
+        Tool tool;
+        tool.info = run.sequence->tool(i);
+        tool.tracked = 0;
+        Ptr<ToolModel>& model = models[tool.info.model];
+        if (!model)
+            model = ToolModel::load(tool.info.model);
+        tool.model = model;
+        run.tracker->addTool(model, tool.info.nominal_T_base);
+        run.tools.push_back(tool);
+    }
+    if (run.sequence->hasGroundTruth())
+        run.scorer = PoseScorer::create(run.sequence->leftCamera(), run.sequence->toolCount());
+    run.timings.resize(ToolTracker::timingNames().size());
+}
+
+void trackFrame(Run& run, int frame, const Mat& image, const std::vector<std::vector<double> >& joints, PoseWriter* writer,
+                std::vector<ToolEstimate>& estimates)
+{
+    const double time = frame / run.sequence->fps();
+    run.tracker->update(image, time, joints, estimates);
+    const std::vector<double> timings = run.tracker->getTimings();
+    for (size_t i = 0; i < run.timings.size(); i++)
+        run.timings[i].push_back(timings[i]);
+    for (int i = 0; i < (int)run.tools.size(); i++)
+    {
+        run.tools[i].tracked += estimates[i].state == STATE_TRACKING;
+        if (writer)
+            writer->write(frame, time, run.tools[i].info.name, estimates[i].state, estimates[i].camera_T_tool, row(estimates[i]));
+        Matx44d truth;
+        std::vector<double> trueJoints;
+        if (run.scorer && run.sequence->groundTruth(i, frame, truth, trueJoints))
+            run.scorer->add(i, estimates[i].state, estimates[i].camera_T_tool, truth);
+    }
+    run.frames++;
+}
+
+void track(const Options& options, Run& run)
+{
+    FrameReader reader(*run.sequence, options.start);
+    const char* const names[] = { "visible", "inliers", "similarity", "nis" };
+    Ptr<PoseWriter> writer;
+    if (!options.poses.empty())
+        writer = PoseWriter::create(options.poses, std::vector<String>(names, names + 4));
+    Ptr<Overlay> overlay;
+    if (!options.video.empty())
+        overlay = makePtr<Overlay>(options.video, run.sequence->fps(), run.sequence->leftCamera().imageSize());
+
+    const int remaining = std::max(0, reader.count() - options.start);
+    common::Progress progress(options.frames > 0 ? std::min(options.frames, remaining) : remaining, options.quiet);
+    const int64 startTick = getTickCount();
+    Mat image;
+    std::vector<std::vector<double> > joints;
+    std::vector<ToolEstimate> estimates;
+    for (int frame = options.start; options.frames == 0 || frame < options.start + options.frames; frame++)
+    {
+        if (!reader.read(image))
+        {
+            reader.checkEnd(*run.sequence);
+            break;
+        }
+        readJoints(run, frame, joints);
+        trackFrame(run, frame, image, joints, writer.get(), estimates);
+        if (overlay)
+        {
+            drawResult(image, run, joints, estimates);
+            overlay->write(image);
+        }
+        run.seconds = (double)(getTickCount() - startTick) / getTickFrequency();
+        progress.show(run.frames);
+    }
+    if (overlay)
+        overlay->finish();
+    if (run.frames == 0)
+        fail(run.sequence->leftVideo() + ": has no frames");
+}
+
+double percentile(std::vector<double> values, double share)
+{
+    if (values.empty())
+        return 0;
+    std::sort(values.begin(), values.end());
+    return values[std::min(values.size() - 1, (size_t)(share * values.size()))];
+}
+
+void printSummary(const Run& run)
+{
+    const Size size = run.sequence->leftCamera().imageSize();
+    std::printf("%s: %d frames of %dx%d\n", run.sequence->name().c_str(), run.frames, size.width, size.height);
+    for (size_t i = 0; i < run.tools.size(); i++)
+        std::printf("  %-8s tracked in %.1f %% of the frames\n", run.tools[i].info.name.c_str(), 100. * run.tools[i].tracked / run.frames);
+    std::printf("time a frame [ms]   median      95 %%\n");
+    const std::vector<String> names = ToolTracker::timingNames();
+    for (size_t i = 0; i < names.size(); i++)
+        std::printf("  %-14s %9.2f %9.2f\n", names[i].c_str(), 1e3 * percentile(run.timings[i], 0.5), 1e3 * percentile(run.timings[i], 0.95));
+    const std::vector<double>& totals = run.timings.back();   // the last stage is the total
+    double total = 0;
+    for (size_t i = 0; i < totals.size(); i++)
+        total += totals[i];
+    std::printf("tracker %.1f Hz, whole run %.1f frames/s\n", total > 0 ? run.frames / total : 0, run.seconds > 0 ? run.frames / run.seconds : 0);
+    if (!run.scorer)
+        return;
+    std::printf("error of the poses  covered     translation [mm]     rotation [rad]   accuracy     silent\n");
+    for (int i = 0; i <= (int)run.tools.size(); i++)
+    {
+        const bool all = i == (int)run.tools.size();
+        const PoseScore s = run.scorer->score(all ? -1 : i);
+        std::printf("  %-14s %8.1f %%    %6.2f +- %6.2f    %6.3f +- %5.3f   %6.1f %%   %6.1f %%\n", all ? "overall" : run.tools[i].info.name.c_str(),
+                    s.frames ? 100. * s.covered / s.frames : 0, 1e3 * s.translationMean, 1e3 * s.translationStd, s.rotationMean, s.rotationStd,
+                    100 * s.accuracy, 100 * s.silent);
+    }
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    const char* const program = "track_sequence";
+    common::silenceLibraries();
+    try
+    {
+        const char* const options[] = { "sequence", "poses", "video", "method", "start", "frames" };
+        const char* const flags[] = { "help", "stereo", "quiet" };
+        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 6), std::vector<std::string>(flags, flags + 3));
+        CommandLineParser parser(argc, argv, KEYS);
+        parser.about("Tracks the tools of a recorded sequence by their CAD models and joint readings.");
+        if (parser.has("help"))
+        {
+            parser.printMessage();
+            return 0;
+        }
+        Run run;
+        const Options o = readOptions(parser);
+        prepare(o, run);
+        int status = 0;
+        try
+        {
+            track(o, run);
+        }
+        catch (const Exception& e)   // what was tracked until then is written and summed up all the same
+        {
+            status = common::reportError(program, e);
+        }
+        if (run.frames > 0)
+            printSummary(run);
+        return status;
+    }
+    catch (const Exception& e)
+    {
+        return common::reportError(program, e);
+    }
+    catch (const std::exception& e)
+    {
+        return common::reportError(program, Exception(Error::StsError, e.what(), "", "", 0));
+    }
+}

@@ -1,0 +1,37 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_MESH_IO_HPP
+#define OPENCV_SURGTRACK_MESH_IO_HPP
+
+#include "opencv2/surgtrack/tool_model.hpp"
+
+// The steps of loadMesh(), one by one: a tool decimates its meshes only when it knows how many triangles there are in all.
+
+namespace cv { namespace surgtrack {
+
+//! Reads and checks a mesh file: triangles, duplicate points merged, in the link's frame [m]; no normals yet.
+Mesh readMesh(const String& filename, double scale, const Matx44d& link_T_mesh);
+
+//! Quadric decimation to at most maxTriangles in all, with one measure of error for all meshes. Drops the normals.
+void decimateMeshes(std::vector<Mesh>& meshes, int maxTriangles);
+
+//! Merges duplicate points, makes the triangles' sense consistent (outward where the mesh is closed), and gives every vertex
+//! one normal; vertices on creases are split.
+void computeNormals(Mesh& mesh);
+
+//! Binary PLY, in the unit of the mesh.
+void writePLY(const String& filename, const Mesh& mesh);
+
+//! Rotation orthonormal and right-handed, last row 0 0 0 1, all finite. The tolerance admits matrices typed with five digits.
+inline bool isRigid(const Matx44d& T)
+{
+    const Matx33d R = T.get_minor<3, 3>(0, 0);
+    const Matx14d lastRow = T.row(3) - Matx14d(0, 0, 0, 1);
+    return checkRange(T) && norm(lastRow) == 0 && determinant(R) > 0 && norm(R.t() * R - Matx33d::eye(), NORM_INF) < 1e-4;
+}
+
+}} // namespace cv::surgtrack
+
+#endif

@@ -1,0 +1,255 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+
+namespace cv { namespace surgtrack {
+
+PartTemplate::PartTemplate() : tool(0), part(0) {}
+
+Mat PartTemplate::getFeatures() const
+{
+    Mat_<int> m(int(features.size()), 3);
+    for (int i = 0; i < m.rows; i++)
+    {
+        m(i, 0) = features[i].x;
+        m(i, 1) = features[i].y;
+        m(i, 2) = features[i].bin;
+    }
+    return m;
+}
+
+PartTemplateRenderer::Params::Params()
+    : boxSize(0.011), minFeatures(30), maxFeatures(250), magnitudeThreshold(50), depthSlack(0.001), tipDepthSlack(0.003)
+{
+}
+
+namespace {
+
+inline uchar bitIndex(int oneBit)
+{
+    uchar index = 0;
+    while (!(oneBit >> index & 1)) index++;
+    return index;
+}
+
+const uchar background = 140;   // a mid grey: neither dark plastic nor bright metal vanishes against it
+
+class PartTemplateRendererImpl CV_FINAL : public PartTemplateRenderer
+{
+public:
+    PartTemplateRendererImpl(const Ptr<MeshRenderer>& renderer, const Params& params)
+        : renderer_(renderer ? renderer : MeshRenderer::createSoftware()), params_(params)
+    {
+        CV_CheckGT(params.boxSize, 0., "Params::boxSize must be positive");
+        CV_CheckGT(params.maxFeatures, 0, "Params::maxFeatures must be positive");
+    }
+
+    int addTool(const Ptr<ToolModel>& model) CV_OVERRIDE;
+    void render(const CameraModel& camera, const std::vector<ToolView>& views, int tool, std::vector<PartTemplate>& templates, double scale,
+                double rotation) CV_OVERRIDE;
+    Ptr<ToolModel> model(int tool) const CV_OVERRIDE { return tools_[tool].model; }
+    const Rendering& rendering() const CV_OVERRIDE { return rendering_; }
+
+private:
+    struct Tool
+    {
+        Ptr<ToolModel> model;
+        int firstMesh;
+        std::vector<uchar> isTip;   // a keypoint: on a link that carries no other
+    };
+
+    void placeInstances(const std::vector<ToolView>& views, int tool, const Matx44d& moved);
+    bool isVisible(const Point& imagePoint, double z, int id, double slack) const;
+    void cut(PartTemplate& t, const Size2d& box, int id) const;
+
+    Ptr<MeshRenderer> renderer_;
+    Params params_;
+    std::vector<Tool> tools_;
+    std::vector<MeshInstance> instances_;
+    Rendering rendering_;
+    Mat picture_, orientations_;
+    mutable std::vector<TemplateFeature> found_;
+};
+
+int PartTemplateRendererImpl::addTool(const Ptr<ToolModel>& model)
+{
+    CV_Assert(model);
+    CV_CheckLT(tools_.size(), size_t(255), "too many tools");
+    Tool tool;
+    tool.model = model;
+    tool.firstMesh = -1;
+    for (size_t i = 0; i < tools_.size(); i++)
+        if (tools_[i].model == model) tool.firstMesh = tools_[i].firstMesh;
+    if (tool.firstMesh < 0)
+        for (size_t i = 0; i < model->meshes().size(); i++)
+        {
+            const int handle = renderer_->addMesh(model->meshes()[i]);
+            if (i == 0) tool.firstMesh = handle;
+        }
+    const std::vector<ToolModel::Keypoint>& keypoints = model->keypoints();
+    for (size_t i = 0; i < keypoints.size(); i++)
+    {
+        uchar tip = 1;
+        for (size_t j = 0; j < model->links().size(); j++)
+            if (model->links()[j].parent == keypoints[i].link) tip = 0;
+        tool.isTip.push_back(tip);
+    }
+    tools_.push_back(tool);
+    return int(tools_.size()) - 1;
+}
+
+// All meshes of all tools, the wanted one moved; a tool's number plus one is the id of its meshes.
+void PartTemplateRendererImpl::placeInstances(const std::vector<ToolView>& views, int tool, const Matx44d& moved)
+{
+    instances_.clear();
+    for (size_t t = 0; t < tools_.size(); t++)
+    {
+        const std::vector<ToolModel::Link>& links = tools_[t].model->links();
+        CV_CheckEQ(views[t].base_T_link.size(), links.size(), "a view needs one pose per link");
+        const Matx44d camera_T_base = int(t) == tool ? moved * views[t].camera_T_base : views[t].camera_T_base;
+        for (size_t i = 0; i < links.size(); i++)
+        {
+            if (links[i].mesh < 0) continue;
+            MeshInstance instance;
+            instance.mesh = tools_[t].firstMesh + links[i].mesh;
+            instance.id = int(t) + 1;
+            instance.camera_T_mesh = camera_T_base * views[t].base_T_link[i];
+            instances_.push_back(instance);
+        }
+    }
+}
+
+// Turns by angle about the ray through centre, and moves along it until the tool looks scale times as large.
+Matx44d hypothesis(const Point3d& centre, double scale, double angle)
+{
+    const double length = norm(centre);
+    const Point3d a = centre * (1 / length);
+    const double c = std::cos(angle), s = std::sin(angle), d = 1 - c;
+    const Point3d shift = centre * (1 / scale - 1);
+    return Matx44d(c + d * a.x * a.x, d * a.x * a.y - s * a.z, d * a.x * a.z + s * a.y, shift.x,
+                   d * a.x * a.y + s * a.z, c + d * a.y * a.y, d * a.y * a.z - s * a.x, shift.y,
+                   d * a.x * a.z - s * a.y, d * a.y * a.z + s * a.x, c + d * a.z * a.z, shift.z, 0, 0, 0, 1);
+}
+
+// Looks at the keypoint's pixel and its neighbours: keypoints on an outline project beside it as often as on it.
+bool PartTemplateRendererImpl::isVisible(const Point& p, double z, int id, double slack) const
+{
+    for (int y = std::max(p.y - 1, 0); y <= std::min(p.y + 1, rendering_.window.height - 1); y++)
+        for (int x = std::max(p.x - 1, 0); x <= std::min(p.x + 1, rendering_.window.width - 1); x++)
+            if (rendering_.ids.at<uchar>(y, x) == id && z <= rendering_.depth.at<float>(y, x) + slack) return true;
+    return false;
+}
+
+// Features on the tool's pixels and the one pixel around them, thinned evenly to maxFeatures.
+void PartTemplateRendererImpl::cut(PartTemplate& t, const Size2d& box, int id) const
+{
+    const Point at = t.anchor - rendering_.window.tl();
+    const int hx = cvRound(box.width / 2), hy = cvRound(box.height / 2);
+    const Rect inner = Rect(1, 1, rendering_.window.width - 2, rendering_.window.height - 2);
+    const Rect area = Rect(at.x - hx, at.y - hy, 2 * hx + 1, 2 * hy + 1) & inner;
+    found_.clear();
+    for (int y = area.y; y < area.y + area.height; y++)
+    {
+        const uchar* bits = orientations_.ptr(y);
+        const uchar *above = rendering_.ids.ptr(y - 1), *ids = rendering_.ids.ptr(y), *below = rendering_.ids.ptr(y + 1);
+        for (int x = area.x; x < area.x + area.width; x++)
+        {
+            if (!bits[x] || (ids[x] != id && ids[x - 1] != id && ids[x + 1] != id && above[x] != id && below[x] != id)) continue;
+            TemplateFeature f;
+            f.x = short(x - at.x);
+            f.y = short(y - at.y);
+            f.bin = bitIndex(bits[x]);
+            found_.push_back(f);
+        }
+    }
+    const size_t n = std::min(found_.size(), size_t(params_.maxFeatures));
+    t.features.resize(n);
+    for (size_t i = 0; i < n; i++) t.features[i] = found_[i * found_.size() / n];
+
+    int left = 0, right = 0, top = 0, bottom = 0;
+    for (size_t i = 0; i < n; i++)
+    {
+        left = std::min(left, int(t.features[i].x));
+        right = std::max(right, int(t.features[i].x));
+        top = std::min(top, int(t.features[i].y));
+        bottom = std::max(bottom, int(t.features[i].y));
+    }
+    t.bounds = Rect(left, top, right - left + 1, bottom - top + 1);
+}
+
+void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vector<ToolView>& views, int tool,
+                                      std::vector<PartTemplate>& templates, double scale, double rotation)
+{
+    CV_CheckEQ(views.size(), tools_.size(), "views: one per tool");
+    CV_Check(tool, tool >= 0 && tool < int(tools_.size()), "no such tool");
+    CV_CheckGT(scale, 0., "scale must be positive");
+    const Tool& own = tools_[tool];
+    const ToolView& view = views[tool];
+    const std::vector<ToolModel::Keypoint>& keypoints = own.model->keypoints();
+    const Rect image(Point(), camera.imageSize());
+
+    Point3d centre;
+    for (size_t i = 0; i < keypoints.size(); i++)
+        centre += transform(view.camera_T_base * view.base_T_link[keypoints[i].link], keypoints[i].linkPoint) / double(keypoints.size());
+    Matx44d moved = Matx44d::eye();
+    if (scale != 1 || rotation != 0) moved = hypothesis(centre, scale, rotation);
+    const Matx44d camera_T_base = moved * view.camera_T_base;
+
+    // Keypoints in the image, and the window that holds their boxes.
+    std::vector<PartTemplate> parts;
+    Rect window;
+    for (size_t i = 0; i < keypoints.size(); i++)
+    {
+        PartTemplate t;
+        t.tool = tool;
+        t.part = int(i);
+        t.viewPoint = transform(camera_T_base * view.base_T_link[keypoints[i].link], keypoints[i].linkPoint);
+        if (t.viewPoint.z < 1e-3) continue;
+        t.imagePoint = camera.project(t.viewPoint);
+        t.anchor = Point(cvRound(t.imagePoint.x), cvRound(t.imagePoint.y));
+        if (!image.contains(t.anchor)) continue;
+        const int hx = cvCeil(params_.boxSize * camera.fx / t.viewPoint.z / 2) + 6, hy = cvCeil(params_.boxSize * camera.fy / t.viewPoint.z / 2) + 6;
+        const Rect box = Rect(t.anchor.x - hx, t.anchor.y - hy, 2 * hx + 1, 2 * hy + 1) & image;
+        window = window.empty() ? box : window | box;
+        parts.push_back(t);
+    }
+    templates.clear();
+    if (parts.empty()) return;
+
+    placeInstances(views, tool, moved);
+    renderer_->render(camera, window, instances_, rendering_);
+    rendering_.shading.copyTo(picture_);
+    picture_.setTo(background, rendering_.ids == 0);
+    quantizeOrientations(picture_, orientations_, params_.magnitudeThreshold);
+
+    for (size_t i = 0; i < parts.size(); i++)
+    {
+        PartTemplate& t = parts[i];
+        const double slack = own.isTip[t.part] ? params_.tipDepthSlack : params_.depthSlack;
+        if (!isVisible(t.anchor - window.tl(), t.viewPoint.z, tool + 1, slack)) continue;
+        cut(t, Size2d(params_.boxSize * camera.fx / t.viewPoint.z, params_.boxSize * camera.fy / t.viewPoint.z), tool + 1);
+        if (int(t.features.size()) >= params_.minFeatures) templates.push_back(t);
+    }
+}
+
+} // namespace
+
+std::vector<PartTemplate> PartTemplateRenderer::renderTool(const CameraModel& camera, const Matx44d& camera_T_base, InputArray joints,
+                                                           double scale, double rotation)
+{
+    std::vector<ToolView> views(1);
+    views[0].camera_T_base = camera_T_base;
+    model(0)->forwardKinematics(joints, views[0].base_T_link);
+    std::vector<PartTemplate> templates;
+    render(camera, views, 0, templates, scale, rotation);
+    return templates;
+}
+
+Ptr<PartTemplateRenderer> PartTemplateRenderer::create(const Ptr<MeshRenderer>& renderer, const Params& params)
+{
+    return makePtr<PartTemplateRendererImpl>(renderer, params);
+}
+
+}} // namespace cv::surgtrack

@@ -1,0 +1,125 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+
+namespace cv { namespace surgtrack {
+
+namespace {
+
+const double MAX_PIXELS = 10, REFERENCE_WIDTH = 720;   // paper, Sec. 3, scaled with the image
+const double SILENT_ERROR = 0.005;                     // [m]
+
+struct Sums
+{
+    int frames, covered, accurate, silent;
+    double translation, translation2, rotation, rotation2;
+    Sums() : frames(0), covered(0), accurate(0), silent(0), translation(0), translation2(0), rotation(0), rotation2(0) {}
+};
+
+double rotationAngle(const Matx33d& A, const Matx33d& B)
+{
+    const Matx33d D = A.t() * B;
+    // atan2: acos of the trace loses all digits of small angles.
+    const Vec3d v(D(2, 1) - D(1, 2), D(0, 2) - D(2, 0), D(1, 0) - D(0, 1));
+    return std::atan2(norm(v), trace(D) - 1);
+}
+
+double meanOf(double sum, int n) { return n ? sum / n : 0; }
+double deviationOf(double sum, double sum2, int n)
+{
+    return n ? std::sqrt(std::max(0., sum2 / n - (sum / n) * (sum / n))) : 0;
+}
+
+class PoseScorerImpl CV_FINAL : public PoseScorer
+{
+public:
+    PoseScorerImpl(const CameraModel& camera, int tools) : camera_(camera), sums_(tools) {}
+
+    void add(int tool, int state, const Matx44d& camera_T_tool, const Matx44d& true_camera_T_tool) CV_OVERRIDE
+    {
+        CV_CheckGE(tool, 0, "tool index");
+        CV_CheckLT(tool, (int)sums_.size(), "tool index");
+        Sums& s = sums_[tool];
+        s.frames++;
+        if ((state != STATE_TRACKING && state != STATE_COASTING) || !checkRange(camera_T_tool))
+            return;
+        const Matx33d R = camera_T_tool.get_minor<3, 3>(0, 0), trueR = true_camera_T_tool.get_minor<3, 3>(0, 0);
+        const Vec3d t(camera_T_tool(0, 3), camera_T_tool(1, 3), camera_T_tool(2, 3));
+        const Vec3d trueT(true_camera_T_tool(0, 3), true_camera_T_tool(1, 3), true_camera_T_tool(2, 3));
+        const double translation = norm(t - trueT), rotation = rotationAngle(trueR, R);
+        s.covered++;
+        s.translation += translation;
+        s.translation2 += translation * translation;
+        s.rotation += rotation;
+        s.rotation2 += rotation * rotation;
+        s.accurate += reprojectionError(R, t, trueR, trueT) <= MAX_PIXELS * camera_.imageSize().width / REFERENCE_WIDTH;
+        s.silent += state == STATE_TRACKING && translation > SILENT_ERROR;
+    }
+
+    PoseScore score(int tool) const CV_OVERRIDE
+    {
+        CV_CheckGE(tool, -1, "tool index");
+        CV_CheckLT(tool, (int)sums_.size(), "tool index");
+        Sums s;
+        for (int i = 0; i < (int)sums_.size(); i++)
+        {
+            if (tool >= 0 && i != tool)
+                continue;
+            s.frames += sums_[i].frames;
+            s.covered += sums_[i].covered;
+            s.accurate += sums_[i].accurate;
+            s.silent += sums_[i].silent;
+            s.translation += sums_[i].translation;
+            s.translation2 += sums_[i].translation2;
+            s.rotation += sums_[i].rotation;
+            s.rotation2 += sums_[i].rotation2;
+        }
+        PoseScore score;
+        score.frames = s.frames;
+        score.covered = s.covered;
+        score.translationMean = meanOf(s.translation, s.covered);
+        score.translationStd = deviationOf(s.translation, s.translation2, s.covered);
+        score.rotationMean = meanOf(s.rotation, s.covered);
+        score.rotationStd = deviationOf(s.rotation, s.rotation2, s.covered);
+        score.accuracy = meanOf(s.accurate, s.frames);
+        score.silent = meanOf(s.silent, s.frames);
+        return score;
+    }
+
+private:
+    Point2d project(const Vec3d& X) const
+    {
+        return X[2] > 1e-6 ? Point2d(camera_.fx * X[0] / X[2], camera_.fy * X[1] / X[2]) : Point2d(1e9, 1e9);
+    }
+
+    double reprojectionError(const Matx33d& R, const Vec3d& t, const Matx33d& trueR, const Vec3d& trueT) const
+    {
+        // Tip, jaw pivot, and 3 mm from it along the yaw axis.
+        const Vec3d points[] = { Vec3d(0, 0, 0), Vec3d(0, 0, -0.0102), Vec3d(0.003, 0, -0.0102), Vec3d(-0.003, 0, -0.0102) };
+        double sum = 0;
+        for (int i = 0; i < 4; i++)
+            sum += norm(project(R * points[i] + t) - project(trueR * points[i] + trueT));
+        return sum / 4;
+    }
+
+    CameraModel camera_;
+    std::vector<Sums> sums_;
+};
+
+} // namespace
+
+PoseScore::PoseScore()
+    : frames(0), covered(0), translationMean(0), translationStd(0), rotationMean(0), rotationStd(0), accuracy(0), silent(0)
+{
+}
+
+Ptr<PoseScorer> PoseScorer::create(const CameraModel& camera, int tools)
+{
+    CV_CheckGT(tools, 0, "number of tools");
+    CV_Assert(!camera.imageSize().empty() && "the camera must have an image size");
+    return makePtr<PoseScorerImpl>(camera, tools);
+}
+
+}} // namespace cv::surgtrack

@@ -1,0 +1,167 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "qgo.hpp"
+
+// Integer arithmetic throughout, so that every implementation gives the same bits.
+//   blurred   7x7 binomial-like kernel, 10 bits (4 x grey level)
+//   gx, gy    3x3 Sobel of blurred, at most 4080 in magnitude
+//   bin       direction modulo 180 degrees; the bounds 11.25 and 33.75 degrees are 16-bit fractions
+
+namespace cv { namespace surgtrack {
+
+static void checkImage(const Mat& image)
+{
+    if (image.empty() || (image.type() != CV_8UC1 && image.type() != CV_8UC3))
+        CV_Error(Error::StsUnsupportedFormat, format("image must be CV_8UC1 or CV_8UC3 and not empty, is %s of %d x %d",
+                                                     typeToString(image.type()).c_str(), image.cols, image.rows));
+}
+
+namespace plain {
+
+// One channel of the window and its border, blurred; rows are the window's plus 2 * border.
+static void blur(const Mat& image, int channel, const Rect& area, Mat_<ushort>& blurred)
+{
+    static const int kernel[7] = {2, 7, 14, 18, 14, 7, 2};   // sums to 64; sigma 1.4
+    blurred.create(area.size());
+    std::vector<int> column(area.width + 6);
+    const int channels = image.channels();
+    for (int y = 0; y < area.height; y++)
+    {
+        std::fill(column.begin(), column.end(), 8);
+        for (int j = 0; j < 7; j++)
+        {
+            const uchar* row = image.ptr(std::min(std::max(area.y + y + j - 3, 0), image.rows - 1)) + channel;
+            for (int x = 0; x < area.width + 6; x++)
+                column[x] += kernel[j] * row[channels * std::min(std::max(area.x + x - 3, 0), image.cols - 1)];
+        }
+        for (int x = 0; x < area.width + 6; x++) column[x] >>= 4;
+        for (int x = 0; x < area.width; x++)
+        {
+            int sum = 32;
+            for (int j = 0; j < 7; j++) sum += kernel[j] * column[x + j];
+            blurred(y, x) = ushort(sum >> 6);
+        }
+    }
+}
+
+static int orientationBin(int gx, int gy)
+{
+    const int ax = std::abs(gx) << 3, ay = std::abs(gy) << 3;
+    const int bin = ((ax * 13036 >> 16) < ay) + ((ax * 43790 >> 16) < ay)    // tan 11.25, tan 33.75
+                    + ((ay * 43790 >> 16) > ax) + ((ay * 13036 >> 16) > ax);
+    return (gx < 0) != (gy < 0) ? (8 - bin) & 7 : bin;
+}
+
+void quantize(const Mat& image, const Rect& window, int squaredThreshold, Mat& orientations)
+{
+    // Sobel and vote reach one pixel each.
+    const Rect area(window.x - 2, window.y - 2, window.width + 4, window.height + 4);
+    Mat_<ushort> blurred[3];
+    for (int c = 0; c < image.channels(); c++) blur(image, c, area, blurred[c]);
+
+    const int w = window.width + 2, h = window.height + 2;
+    Mat_<uchar> bins(h, w), strong(h, w);
+    for (int y = 0; y < h; y++)
+        for (int x = 0; x < w; x++)
+        {
+            int best = -1, gx = 0, gy = 0;
+            for (int c = 0; c < image.channels(); c++)
+            {
+                const Mat_<ushort>& b = blurred[c];
+                const int dx = (b(y, x + 2) + 2 * b(y + 1, x + 2) + b(y + 2, x + 2)) - (b(y, x) + 2 * b(y + 1, x) + b(y + 2, x));
+                const int dy = (b(y + 2, x) + 2 * b(y + 2, x + 1) + b(y + 2, x + 2)) - (b(y, x) + 2 * b(y, x + 1) + b(y, x + 2));
+                const int squared = dx * dx + dy * dy;
+                if (squared > best) best = squared, gx = dx, gy = dy;
+            }
+            bins(y, x) = uchar(orientationBin(gx, gy));
+            strong(y, x) = best >= squaredThreshold;
+        }
+
+    for (int y = 0; y < window.height; y++)
+        for (int x = 0; x < window.width; x++)
+        {
+            uchar result = 0;
+            if (strong(y + 1, x + 1))
+            {
+                int votes[8] = {0};
+                for (int j = 0; j < 9; j++) votes[bins(y + j / 3, x + j % 3)]++;
+                for (int b = 0; b < 8; b++)
+                    if (votes[b] >= 5) result = uchar(1 << b);
+            }
+            orientations.at<uchar>(y, x) = result;
+        }
+}
+
+void spread(const Mat& src, Mat& dst, int size)
+{
+    const int r = size / 2;
+    for (int y = 0; y < src.rows; y++)
+        for (int x = 0; x < src.cols; x++)
+        {
+            uchar bits = 0;
+            for (int j = std::max(0, y - r); j <= std::min(src.rows - 1, y + r); j++)
+                for (int i = std::max(0, x - r); i <= std::min(src.cols - 1, x + r); i++) bits |= src.at<uchar>(j, i);
+            dst.at<uchar>(y, x) = bits;
+        }
+}
+
+void response(const Mat& bits, int bin, Mat& dst)
+{
+    const int same = 1 << bin, next = 1 << ((bin + 1) & 7) | 1 << ((bin + 7) & 7);
+    for (int y = 0; y < bits.rows; y++)
+        for (int x = 0; x < bits.cols; x++)
+        {
+            const int b = bits.at<uchar>(y, x);
+            dst.at<uchar>(y, x) = b & same ? 4 : b & next ? 1 : 0;
+        }
+}
+
+} // namespace plain
+
+int squaredMagnitude(double magnitudeThreshold)
+{
+    CV_Check(magnitudeThreshold, magnitudeThreshold >= 0 && magnitudeThreshold < 1e4, "magnitudeThreshold must be in 0..10000");
+    return cvCeil(16 * magnitudeThreshold * magnitudeThreshold);   // the blurred image holds 4 x grey level
+}
+
+void quantizeOrientations(InputArray _image, const Rect& window, OutputArray _orientations, double magnitudeThreshold)
+{
+    const Mat image = _image.getMat();
+    checkImage(image);
+    if (window.empty() || (window & Rect(Point(), image.size())) != window)
+        CV_Error(Error::StsOutOfRange, format("window %d x %d at (%d, %d) does not lie in the image of %d x %d", window.width, window.height,
+                                              window.x, window.y, image.cols, image.rows));
+    _orientations.create(window.size(), CV_8UC1);
+    Mat orientations = _orientations.getMat();
+    plain::quantize(image, window, squaredMagnitude(magnitudeThreshold), orientations);
+}
+
+void quantizeOrientations(InputArray image, OutputArray orientations, double magnitudeThreshold)
+{
+    quantizeOrientations(image, Rect(Point(), image.size()), orientations, magnitudeThreshold);
+}
+
+void spreadOrientations(InputArray _orientations, OutputArray _spread, int size)
+{
+    const Mat orientations = _orientations.getMat();
+    CV_CheckTypeEQ(orientations.type(), CV_8UC1, "orientations are bit sets of 8 bits");
+    CV_Check(size, size > 0 && size % 2 == 1, "size must be odd and positive");
+    Mat result(orientations.size(), CV_8UC1);   // not in place
+    plain::spread(orientations, result, size);
+    result.copyTo(_spread);
+}
+
+void orientationResponse(InputArray _spread, int bin, OutputArray _response)
+{
+    const Mat bits = _spread.getMat();
+    CV_CheckTypeEQ(bits.type(), CV_8UC1, "spread orientations are bit sets of 8 bits");
+    CV_Check(bin, bin >= 0 && bin < 8, "bin must be 0..7");
+    _response.create(bits.size(), CV_8UC1);
+    Mat response = _response.getMat();
+    plain::response(bits, bin, response);
+}
+
+}} // namespace cv::surgtrack

@@ -1,0 +1,170 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "qgo.hpp"
+
+namespace cv { namespace surgtrack {
+
+PartMatch::PartMatch() : tool(0), part(0), similarity(0), templateIndex(0) {}
+
+QGOMatcher::Params::Params()
+    : magnitudeThreshold(50), spread(5), candidates(5), suppressionRadius(6), minSimilarity(0.5), relativeSimilarity(0.7)
+{
+}
+
+namespace {
+
+class QGOMatcherImpl CV_FINAL : public QGOMatcher
+{
+public:
+    explicit QGOMatcherImpl(const Params& params) : params_(params)
+    {
+        CV_Check(params.spread, params.spread > 0 && params.spread % 2 == 1, "Params::spread must be odd and positive");
+        CV_CheckGT(params.candidates, 0, "Params::candidates must be positive");
+        CV_CheckGE(params.suppressionRadius, 0, "Params::suppressionRadius must not be negative");
+    }
+
+    void setImage(InputArray image, const Rect& roi) CV_OVERRIDE;
+    void match(const std::vector<PartTemplate>& templates, const std::vector<Rect>& windows, std::vector<PartMatch>& matches) CV_OVERRIDE;
+    void similarityMap(const PartTemplate& partTemplate, const Rect& window, OutputArray similarity) CV_OVERRIDE;
+
+private:
+    void similarity(const PartTemplate& t, const Rect& window);
+    void selectCandidates(const PartTemplate& t, int templateIndex, const Rect& window, std::vector<PartMatch>& matches);
+
+    Params params_;
+    Size imageSize_;
+    Rect roi_;                   // what the responses cover
+    Mat orientations_, spread_;
+    Mat responses_[8];           // a map an orientation: 4, 1 or 0
+    Mat partial_;                // CV_8UC1: sum over at most 63 features, which can't exceed 255
+    Mat similarity_;             // CV_16UC1
+};
+
+void QGOMatcherImpl::setImage(InputArray _image, const Rect& roi)
+{
+    const Mat image = _image.getMat();
+    const Rect all(Point(), image.size());
+    imageSize_ = Size();
+    roi_ = roi.empty() ? all : roi & all;
+    quantizeOrientations(image, roi_.empty() ? all : roi_, orientations_, params_.magnitudeThreshold);
+    imageSize_ = image.size();
+    if (roi_.empty()) return;
+    spreadOrientations(orientations_, spread_, params_.spread);
+    for (int bin = 0; bin < 8; bin++) orientationResponse(spread_, bin, responses_[bin]);
+}
+
+// Sums the responses of all features for every place of the keypoint in the window.
+void QGOMatcherImpl::similarity(const PartTemplate& t, const Rect& window)
+{
+    if (partial_.total() < (size_t)window.area()) partial_.create(1, window.area(), CV_8UC1);
+    if (similarity_.total() < (size_t)window.area()) similarity_.create(1, window.area(), CV_16UC1);
+    uchar* partial = partial_.ptr();
+    ushort* sum = similarity_.ptr<ushort>();
+    const int n = window.area();
+    std::fill(sum, sum + n, ushort(0));
+
+    const int block = 63;   // 63 * 4 = 252 <= 255
+    for (size_t first = 0; first < t.features.size(); first += block)
+    {
+        const size_t last = std::min(first + block, t.features.size());
+        std::fill(partial, partial + n, uchar(0));
+        for (size_t i = first; i < last; i++)
+        {
+            const TemplateFeature& f = t.features[i];
+            const Rect seen = (window + Point(f.x, f.y)) & roi_;
+            const Mat& response = responses_[f.bin];
+            for (int y = seen.y; y < seen.y + seen.height; y++)
+            {
+                const uchar* src = response.ptr(y - roi_.y) + seen.x - roi_.x;
+                uchar* dst = partial + (y - f.y - window.y) * window.width + seen.x - f.x - window.x;
+                for (int x = 0; x < seen.width; x++) dst[x] = uchar(dst[x] + src[x]);
+            }
+        }
+        for (int i = 0; i < n; i++) sum[i] = ushort(sum[i] + partial[i]);
+    }
+}
+
+void QGOMatcherImpl::similarityMap(const PartTemplate& t, const Rect& window, OutputArray result)
+{
+    CV_Assert(!imageSize_.empty() && "setImage() comes first");
+    CV_Assert(!window.empty());
+    similarity(t, window);
+    Mat(window.size(), CV_16UC1, similarity_.ptr()).copyTo(result);
+}
+
+// The best places, each suppressing its neighbourhood.
+void QGOMatcherImpl::selectCandidates(const PartTemplate& t, int templateIndex, const Rect& window, std::vector<PartMatch>& matches)
+{
+    Mat_<ushort> map(window.height, window.width, similarity_.ptr<ushort>());
+    const double full = 4. * double(t.features.size());
+    double weakest = params_.minSimilarity * full;
+    const int r = params_.suppressionRadius;
+    for (int k = 0; k < params_.candidates; k++)
+    {
+        double best;
+        Point at;
+        minMaxLoc(map, 0, &best, 0, &at);
+        if (best < weakest || best <= 0) return;
+        if (k == 0) weakest = std::max(weakest, params_.relativeSimilarity * best);
+
+        // Spreading flattens peaks: the place is the centre of mass of the peak's top.
+        const Rect around = Rect(at.x - 3, at.y - 3, 7, 7) & Rect(Point(), window.size());
+        const double floor = best - std::max(1., 0.04 * full);
+        double sum = 0;
+        Point2d centre;
+        for (int y = around.y; y < around.y + around.height; y++)
+            for (int x = around.x; x < around.x + around.width; x++)
+            {
+                const double weight = std::max(0., map(y, x) - floor);
+                sum += weight;
+                centre += weight * Point2d(x, y);
+            }
+
+        PartMatch m;
+        m.tool = t.tool;
+        m.part = t.part;
+        m.templateIndex = templateIndex;
+        m.similarity = best / full;
+        m.predictedPoint = t.imagePoint;
+        // The template was cut around the anchor, the keypoint lies a fraction beside it.
+        m.imagePoint = Point2d(window.tl()) + centre / sum + (t.imagePoint - Point2d(t.anchor));
+        matches.push_back(m);
+
+        map(Rect(at.x - r, at.y - r, 2 * r + 1, 2 * r + 1) & Rect(Point(), window.size())).setTo(0);
+    }
+}
+
+inline bool moreSimilar(const PartMatch& a, const PartMatch& b)
+{
+    return a.similarity > b.similarity;
+}
+
+void QGOMatcherImpl::match(const std::vector<PartTemplate>& templates, const std::vector<Rect>& windows, std::vector<PartMatch>& matches)
+{
+    CV_Assert(!imageSize_.empty() && "setImage() comes first");
+    CV_Check(windows.size(), windows.empty() || windows.size() == templates.size(), "windows: one per template, or none");
+    matches.clear();
+    const Rect all(Point(), imageSize_);
+    for (size_t i = 0; i < templates.size(); i++)
+    {
+        const Rect window = windows.empty() ? all : windows[i] & all;
+        const size_t n = templates[i].features.size();
+        CV_CheckLE(n, size_t(65535 / 4), "too many features in a template");
+        if (window.empty() || n == 0) continue;
+        similarity(templates[i], window);
+        selectCandidates(templates[i], int(i), window, matches);
+    }
+    std::stable_sort(matches.begin(), matches.end(), moreSimilar);
+}
+
+} // namespace
+
+Ptr<QGOMatcher> QGOMatcher::create(const Params& params)
+{
+    return makePtr<QGOMatcherImpl>(params);
+}
+
+}} // namespace cv::surgtrack

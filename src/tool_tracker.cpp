@@ -1,0 +1,447 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+
+namespace cv { namespace surgtrack {
+
+String stateName(int state)
+{
+    static const char* names[] = {"initializing", "tracking", "coasting", "lost"};
+    CV_Check(state, state >= STATE_INITIALIZING && state <= STATE_LOST, "no such state");
+    return names[state];
+}
+
+ToolEstimate::ToolEstimate()
+    : state(STATE_INITIALIZING), camera_T_tool(Matx44d::eye()), camera_T_nominal(Matx44d::eye()), covariance(Matx66d::zeros()),
+      visibleParts(0), inliers(0), similarity(0), nis(0)
+{
+}
+
+ToolTracker::Params::Params()
+    : method(METHOD_PAPER), initialWindow(0.014), minWindow(30), minInitialInliers(6), confirmFrames(1), coastingTime(2), seed(1)
+{
+}
+
+std::vector<String> ToolTracker::timingNames()
+{
+    static const char* names[] = {"render", "image", "match", "verify", "filter", "total"};
+    return std::vector<String>(names, names + 6);
+}
+
+namespace {
+
+enum Stage { RENDER, IMAGE, MATCH, VERIFY, FILTER, TOTAL, STAGES };
+
+// Adds the time of a scope to its stage.
+class StageTimer
+{
+public:
+    explicit StageTimer(double& sum) : sum_(sum), start_(getTickCount()) {}
+    ~StageTimer() { sum_ += double(getTickCount() - start_) / getTickFrequency(); }
+
+private:
+    double& sum_;
+    int64 start_;
+};
+
+// Plausible errors of a hand-eye calibration; a first pose beyond them is a false one.
+const double maxCorrectionAngle = 15 * CV_PI / 180;
+const double maxCorrectionShift = 0.03;     // [m], at the tool
+const double maxReprojectionError = 8;      // [pixel at 720 px image width]
+
+double rotationAngle(const Matx44d& T)
+{
+    return std::acos(std::min(1., std::max(-1., (T(0, 0) + T(1, 1) + T(2, 2) - 1) / 2)));
+}
+
+struct TrackedTool
+{
+    Ptr<ToolModel> model;
+    Matx44d nominal_T_base;
+    Ptr<ToolPoseEKF> filter;
+    Matx44d correction;              // the last one; kept when nothing is seen
+    int state;
+    int confirmed;                   // consecutive measured frames since the (re)start
+    double lastSeen;                 // time of the last measurement [s]
+    std::vector<Point3d> nominalPoints;   // of the current frame
+    double similarity, nis;
+    int visibleParts;
+    std::vector<PartMatch> inliers;
+};
+
+class ToolTrackerImpl CV_FINAL : public ToolTracker
+{
+public:
+    ToolTrackerImpl(const CameraModel& camera, const Params& params);
+
+    int addTool(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base) CV_OVERRIDE;
+    void update(InputArray image, double time, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates) CV_OVERRIDE;
+    void reset(int tool) CV_OVERRIDE;
+    std::vector<double> getTimings() const CV_OVERRIDE { return std::vector<double>(timings_, timings_ + STAGES); }
+
+private:
+    void check(const Mat& image, double time, const std::vector<std::vector<double> >& joints) const;
+    void placeTools(const std::vector<std::vector<double> >& joints);
+    void locate(int tool, const Mat& image, double halfWindow, bool uncertain, double scale, double rotation);
+    bool initialize(int tool, const Mat& image);
+    bool measure(int tool, const Mat& image);
+    bool plausible(const TrackedTool& tool, const Matx44d& correction) const;
+    void gather(const TrackedTool& tool, Mat& nominalPoints, Mat& imagePoints) const;
+    void report(const TrackedTool& tool, const ToolView& view, ToolEstimate& estimate) const;
+
+    CameraModel camera_;
+    Params params_;
+    double pixelScale_;    // of thresholds given for images 720 pixels wide
+    Ptr<PartTemplateRenderer> renderer_;
+    Ptr<QGOMatcher> matcher_;
+    Ptr<GeometricContextVerifier> verifier_;
+    std::vector<TrackedTool> tools_;
+    std::vector<ToolView> views_;
+    double time_;
+
+    // of one locate()
+    std::vector<PartTemplate> templates_;
+    std::vector<Rect> windows_;
+    std::vector<PartMatch> matches_;
+    std::vector<PartMatch> inliers_;
+
+    double timings_[STAGES];
+};
+
+ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params)
+    : camera_(camera), params_(params), pixelScale_(camera.imageSize().width / 720.), time_(-DBL_MAX)
+{
+    CV_Assert(!camera.imageSize().empty());
+    CV_Check(params.method, params.method == METHOD_PAPER || params.method == METHOD_EPNP, "Params::method: no such method");
+    CV_CheckGE(params.minInitialInliers, 4, "Params::minInitialInliers: EPnP needs four points");
+    CV_CheckGT(params.initialWindow, 0., "Params::initialWindow must be positive");
+    renderer_ = PartTemplateRenderer::create();
+    matcher_ = QGOMatcher::create();
+    GeometricContextVerifier::Params context;
+    context.seed = params.seed;
+    context.zoneRadius *= pixelScale_;
+    verifier_ = GeometricContextVerifier::create(context);
+    std::fill(timings_, timings_ + STAGES, 0.);
+}
+
+int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base)
+{
+    CV_Assert(model);
+    if (!isRigid(nominal_T_base)) CV_Error(Error::StsBadArg, "nominal_T_base must be a rigid transform");
+    TrackedTool tool;
+    tool.model = model;
+    tool.nominal_T_base = nominal_T_base;
+    ToolPoseEKF::Params filter;
+    filter.measurementNoise *= pixelScale_;
+    tool.filter = ToolPoseEKF::create(camera_, filter);
+    renderer_->addTool(model);
+    tools_.push_back(tool);
+    views_.push_back(ToolView());
+    reset(int(tools_.size()) - 1);
+    return int(tools_.size()) - 1;
+}
+
+void ToolTrackerImpl::reset(int tool)
+{
+    CV_Check(tool, tool >= -1 && tool < int(tools_.size()), "no such tool");
+    for (int i = 0; i < int(tools_.size()); i++)
+    {
+        if (tool >= 0 && i != tool) continue;
+        TrackedTool& t = tools_[i];
+        t.filter->reset();
+        t.correction = Matx44d::eye();
+        t.state = STATE_INITIALIZING;
+        t.confirmed = 0;
+        t.lastSeen = -DBL_MAX;
+        t.similarity = t.nis = 0;
+        t.visibleParts = 0;
+        t.inliers.clear();
+    }
+}
+
+void ToolTrackerImpl::check(const Mat& image, double time, const std::vector<std::vector<double> >& joints) const
+{
+    if (tools_.empty()) CV_Error(Error::StsError, "no tool: addTool() comes first");
+    if (image.empty() || (image.type() != CV_8UC1 && image.type() != CV_8UC3))
+        CV_Error(Error::StsUnsupportedFormat, format("image must be CV_8UC1 or CV_8UC3 and not empty, is %s of %d x %d",
+                                                     typeToString(image.type()).c_str(), image.cols, image.rows));
+    if (image.size() != camera_.imageSize())
+        CV_Error(Error::StsUnmatchedSizes, format("image is %d x %d, the camera's is %d x %d", image.cols, image.rows,
+                                                  camera_.imageSize().width, camera_.imageSize().height));
+    if (!(time > time_ && time < DBL_MAX)) CV_Error(Error::StsOutOfRange, format("time %g must be finite and larger than the last, %g", time, time_));
+    CV_CheckEQ(joints.size(), tools_.size(), "joints: one vector per tool");
+    for (size_t i = 0; i < joints.size(); i++)
+    {
+        const size_t expected = tools_[i].model->coordinateNames().size();
+        if (joints[i].size() != expected)
+            CV_Error(Error::StsBadSize, format("joints[%d] has %d values, tool %s has %d coordinates", int(i), int(joints[i].size()),
+                                               tools_[i].model->name().c_str(), int(expected)));
+        checkFinite(joints[i], format("joints[%d]", int(i)).c_str());
+    }
+}
+
+// Where the kinematics and the last correction say everything is.
+void ToolTrackerImpl::placeTools(const std::vector<std::vector<double> >& joints)
+{
+    for (size_t i = 0; i < tools_.size(); i++)
+    {
+        TrackedTool& tool = tools_[i];
+        tool.model->forwardKinematics(joints[i], views_[i].base_T_link);
+        views_[i].camera_T_base = tool.correction * tool.nominal_T_base;
+        const std::vector<ToolModel::Keypoint>& keypoints = tool.model->keypoints();
+        tool.nominalPoints.resize(keypoints.size());
+        for (size_t k = 0; k < keypoints.size(); k++)
+            tool.nominalPoints[k] = transform(tool.nominal_T_base * views_[i].base_T_link[keypoints[k].link], keypoints[k].linkPoint);
+    }
+}
+
+/* Paper, Sec. 2.1 and 2.2: renders templates, matches them in windows and verifies; the result is in inliers_.
+   halfWindow: of the search windows [pixel]; uncertain: larger where the filter's covariance asks for it */
+void ToolTrackerImpl::locate(int index, const Mat& image, double halfWindow, bool uncertain, double scale, double rotation)
+{
+    TrackedTool& tool = tools_[index];
+    {
+        StageTimer timer(timings_[RENDER]);
+        renderer_->render(camera_, views_, index, templates_, scale, rotation);
+    }
+    inliers_.clear();
+    if (templates_.empty()) return;
+
+    const Rect all(Point(), image.size());
+    windows_.clear();
+    Rect roi;
+    for (size_t i = 0; i < templates_.size(); i++)
+    {
+        const PartTemplate& t = templates_[i];
+        double hx = halfWindow, hy = halfWindow;
+        if (uncertain)
+        {
+            const Matx22d C = tool.filter->imageCovariance(tool.nominalPoints[t.part]);
+            hx = std::min(std::max(hx, 3 * std::sqrt(C(0, 0))), 4 * halfWindow);
+            hy = std::min(std::max(hy, 3 * std::sqrt(C(1, 1))), 4 * halfWindow);
+        }
+        windows_.push_back(Rect(cvRound(t.anchor.x - hx), cvRound(t.anchor.y - hy), cvRound(2 * hx) + 1, cvRound(2 * hy) + 1) & all);
+        const Rect& w = windows_.back();
+        if (w.empty()) continue;
+        const Rect reach = Rect(w.x + t.bounds.x, w.y + t.bounds.y, w.width + t.bounds.width, w.height + t.bounds.height) & all;
+        roi = roi.empty() ? reach : roi | reach;
+    }
+    {
+        StageTimer timer(timings_[IMAGE]);
+        matcher_->setImage(image, roi);
+    }
+    {
+        StageTimer timer(timings_[MATCH]);
+        matcher_->match(templates_, windows_, matches_);
+    }
+    StageTimer timer(timings_[VERIFY]);
+    verifier_->verify(matches_, inliers_);
+}
+
+void ToolTrackerImpl::gather(const TrackedTool& tool, Mat& nominalPoints, Mat& imagePoints) const
+{
+    nominalPoints.create(int(tool.inliers.size()), 3, CV_64F);
+    imagePoints.create(int(tool.inliers.size()), 2, CV_64F);
+    for (int i = 0; i < int(tool.inliers.size()); i++)
+    {
+        *nominalPoints.ptr<Point3d>(i) = tool.nominalPoints[tool.inliers[i].part];
+        *imagePoints.ptr<Point2d>(i) = tool.inliers[i].imagePoint;
+    }
+}
+
+bool ToolTrackerImpl::plausible(const TrackedTool& tool, const Matx44d& correction) const
+{
+    Point3d centre;
+    for (size_t i = 0; i < tool.nominalPoints.size(); i++) centre += tool.nominalPoints[i] * (1. / tool.nominalPoints.size());
+    if (rotationAngle(correction) > maxCorrectionAngle || norm(transform(correction, centre) - centre) > maxCorrectionShift) return false;
+    double sum = 0;
+    for (size_t i = 0; i < tool.inliers.size(); i++)
+    {
+        const Point3d p = transform(correction, tool.nominalPoints[tool.inliers[i].part]);
+        if (p.z < 1e-3) return false;
+        const Point2d d = camera_.project(p) - tool.inliers[i].imagePoint;
+        sum += d.dot(d);
+    }
+    return std::sqrt(sum / double(tool.inliers.size())) < maxReprojectionError * pixelScale_;
+}
+
+// Several scales and rotations about the kinematics' pose (paper, Sec. 2.1), the best agreement goes to EPnP (Sec. 2.3).
+bool ToolTrackerImpl::initialize(int index, const Mat& image)
+{
+    static const double scales[] = {1, 0.8, 1.2}, rotations[] = {0, -15 * CV_PI / 180, 15 * CV_PI / 180};
+    TrackedTool& tool = tools_[index];
+    const double distance = transform(tool.correction, tool.nominalPoints[0]).z;
+    const double halfWindow = params_.initialWindow * std::max(camera_.fx, camera_.fy) / std::max(distance, 0.02);
+    tool.inliers.clear();
+    double bestScore = 0;
+    for (int s = 0; s < 3; s++)
+        for (int r = 0; r < 3; r++)
+        {
+            locate(index, image, halfWindow, false, scales[s], rotations[r]);
+            double score = 0;
+            for (size_t i = 0; i < inliers_.size(); i++) score += inliers_[i].similarity;
+            if (int(inliers_.size()) < params_.minInitialInliers || score <= bestScore) continue;
+            bestScore = score;
+            tool.inliers = inliers_;
+            tool.visibleParts = int(templates_.size());
+        }
+    if (tool.inliers.empty()) return false;
+
+    StageTimer timer(timings_[FILTER]);
+    Mat nominalPoints, imagePoints;
+    gather(tool, nominalPoints, imagePoints);
+    Matx44d correction;
+    if (solveEPnP(camera_, nominalPoints, imagePoints, correction, maxReprojectionError * pixelScale_) && plausible(tool, correction))
+    {
+        tool.filter->reset(correction);
+        tool.correction = correction;
+        return true;
+    }
+    tool.inliers.clear();
+    return false;
+}
+
+// One template a part at the last correction, then the filter (paper, Sec. 2.3).
+bool ToolTrackerImpl::measure(int index, const Mat& image)
+{
+    TrackedTool& tool = tools_[index];
+    const bool filtered = params_.method == METHOD_PAPER;
+    if (filtered) tool.filter->predict();
+    locate(index, image, params_.minWindow * pixelScale_, filtered, 1, 0);
+    tool.inliers = inliers_;
+    tool.visibleParts = int(templates_.size());
+    if (tool.inliers.empty()) return false;
+
+    StageTimer timer(timings_[FILTER]);
+    Mat nominalPoints, imagePoints;
+    gather(tool, nominalPoints, imagePoints);
+    if (!filtered)
+    {
+        Matx44d correction;
+        if (!solveEPnP(camera_, nominalPoints, imagePoints, correction) || !plausible(tool, correction)) return false;
+        tool.correction = correction;
+        return true;
+    }
+    std::vector<uchar> used;
+    if (!tool.filter->correct(nominalPoints, imagePoints, used)) return false;
+    size_t kept = 0;
+    for (size_t i = 0; i < used.size(); i++)
+        if (used[i]) tool.inliers[kept++] = tool.inliers[i];
+    tool.inliers.resize(kept);
+    tool.correction = tool.filter->correction();
+    tool.nis = tool.filter->nis();
+    return true;
+}
+
+void ToolTrackerImpl::report(const TrackedTool& tool, const ToolView& view, ToolEstimate& e) const
+{
+    const Matx44d nominal_T_tool = tool.nominal_T_base * tool.model->endEffectorPose(view.base_T_link);
+    e.state = tool.state;
+    e.camera_T_nominal = tool.correction;
+    e.camera_T_tool = tool.correction * nominal_T_tool;
+    e.covariance = tool.filter->poseCovariance(Point3d(nominal_T_tool(0, 3), nominal_T_tool(1, 3), nominal_T_tool(2, 3)));
+    e.visibleParts = tool.visibleParts;
+    e.inliers = int(tool.inliers.size());
+    e.similarity = tool.similarity;
+    e.nis = tool.nis;
+    e.matches = tool.inliers;
+}
+
+void ToolTrackerImpl::update(InputArray _image, double time, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates)
+{
+    const Mat image = _image.getMat();
+    check(image, time, joints);
+    std::fill(timings_, timings_ + STAGES, 0.);
+    {
+        StageTimer timer(timings_[TOTAL]);
+        time_ = time;
+        placeTools(joints);
+        for (int i = 0; i < int(tools_.size()); i++)
+        {
+            TrackedTool& tool = tools_[i];
+            const bool starting = tool.state == STATE_INITIALIZING && tool.confirmed == 0;
+            const bool seen = starting ? initialize(i, image) : measure(i, image);
+            if (seen)
+            {
+                tool.lastSeen = time;
+                tool.confirmed++;
+                if (tool.confirmed > params_.confirmFrames) tool.state = STATE_TRACKING;
+            }
+            else
+            {
+                if (tool.state == STATE_INITIALIZING || tool.state == STATE_LOST) tool.confirmed = 0;
+                else tool.state = time - tool.lastSeen <= params_.coastingTime ? STATE_COASTING : STATE_LOST;
+                tool.inliers.clear();
+                tool.nis = 0;
+            }
+            tool.similarity = 0;
+            for (size_t k = 0; k < tool.inliers.size(); k++) tool.similarity += tool.inliers[k].similarity / double(tool.inliers.size());
+            // Others are drawn, and hidden, where this tool was found.
+            views_[i].camera_T_base = tool.correction * tool.nominal_T_base;
+        }
+    }
+    estimates.resize(tools_.size());
+    for (size_t i = 0; i < tools_.size(); i++) report(tools_[i], views_[i], estimates[i]);
+}
+
+} // namespace
+
+Ptr<ToolTracker> ToolTracker::create(const CameraModel& camera, const Params& params)
+{
+    return makePtr<ToolTrackerImpl>(camera, params);
+}
+
+void drawSkeleton(InputOutputArray _image, const CameraModel& camera, const Ptr<ToolModel>& model, InputArray joints,
+                  const Matx44d& camera_T_base, const Scalar& color)
+{
+    CV_Assert(model);
+    Mat image = _image.getMat();
+    CV_CheckTypeEQ(image.type(), CV_8UC3, "image must be BGR");
+    const int thickness = std::max(1, image.cols / 500);
+    std::vector<Matx44d> base_T_link;
+    model->forwardKinematics(joints, base_T_link);
+    struct Pen
+    {
+        Mat& image;
+        const CameraModel& camera;
+        const Scalar& color;
+        int thickness;
+        Point at(const Point3d& p) const { const Point2d u = camera.project(p); return Point(cvRound(u.x), cvRound(u.y)); }
+        // In short pieces, because lenses bend lines and the shaft reaches behind the camera.
+        void line3d(const Point3d& a, const Point3d& b) const
+        {
+            const int pieces = 1 + int(norm(b - a) / 0.005);
+            for (int i = 0; i < pieces; i++)
+            {
+                const Point3d p = a + (b - a) * (double(i) / pieces), q = a + (b - a) * (double(i + 1) / pieces);
+                if (p.z < 0.01 || q.z < 0.01) continue;
+                const Point u = at(p), v = at(q);
+                if (std::abs(u.x) < 10000 && std::abs(u.y) < 10000 && std::abs(v.x) < 10000 && std::abs(v.y) < 10000)
+                    line(image, u, v, color, thickness, LINE_AA);
+            }
+        }
+    } pen = {image, camera, color, thickness};
+
+    const std::vector<ToolModel::Link>& links = model->links();
+    for (size_t i = 0; i < links.size(); i++)
+    {
+        if (links[i].parent < 0) continue;
+        const Point3d from = transform(camera_T_base * base_T_link[links[i].parent], Point3d()), to = transform(camera_T_base * base_T_link[i], Point3d());
+        pen.line3d(from, to);
+    }
+    const std::vector<ToolModel::Keypoint>& keypoints = model->keypoints();
+    for (size_t i = 0; i < keypoints.size(); i++)
+    {
+        const Matx44d camera_T_link = camera_T_base * base_T_link[keypoints[i].link];
+        const Point3d p = transform(camera_T_link, keypoints[i].linkPoint);
+        // Keypoints on leaf links are tips: the jaws are drawn as lines from their axis.
+        bool leaf = true;
+        for (size_t j = 0; j < links.size(); j++) leaf = leaf && links[j].parent != keypoints[i].link;
+        if (leaf) pen.line3d(transform(camera_T_link, Point3d()), p);
+        if (p.z > 0.01) circle(image, pen.at(p), 2 * thickness, color, FILLED, LINE_AA);
+    }
+}
+
+}} // namespace cv::surgtrack
