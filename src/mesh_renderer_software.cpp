@@ -306,15 +306,15 @@ void SoftwareRenderer::subdivide(const Vertex& a, const Vertex& b, const Vertex&
         fill(a, b, c);
         return;
     }
-    if (longest == bc) subdivide(b, c, a, depth);
-    else if (longest == ca) subdivide(c, a, b, depth);
-    else
+    if (longest == ab)
     {
         Vertex m = mix(a, b, 0.5f);
         project(m);
         subdivide(m, b, c, depth + 1);
         subdivide(a, m, c, depth + 1);
     }
+    else if (longest == bc) subdivide(b, c, a, depth);
+    else subdivide(c, a, b, depth);
 }
 
 // Fills the pixels whose centres lie in the triangle; 1 / z and the shade are linear in the image.
