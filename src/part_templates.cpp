@@ -22,7 +22,7 @@ Mat PartTemplate::getFeatures() const
 }
 
 PartTemplateRenderer::Params::Params()
-    : boxSize(0.011), minFeatures(30), maxFeatures(250), magnitudeThreshold(50), depthSlack(0.001), tipDepthSlack(0.003)
+    : boxSize(0.011), minFeatures(30), maxFeatures(250), magnitudeThreshold(80), depthSlack(0.001), tipDepthSlack(0.003)
 {
 }
 
@@ -35,7 +35,9 @@ inline uchar bitIndex(int oneBit)
     return index;
 }
 
-const uchar background = 140;   // a mid grey: neither dark plastic nor bright metal vanishes against it
+// Some light from everywhere, as tissue reflects it, and a background that outlines stand out from.
+const double ambient = 0.15;
+const uchar background = 80;
 
 class PartTemplateRendererImpl CV_FINAL : public PartTemplateRenderer
 {
@@ -222,7 +224,7 @@ void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vect
 
     placeInstances(views, tool, moved);
     renderer_->render(camera, window, instances_, rendering_);
-    rendering_.shading.copyTo(picture_);
+    rendering_.shading.convertTo(picture_, CV_8U, 1 - ambient, 255 * ambient);
     picture_.setTo(background, rendering_.ids == 0);
     orientations_.create(picture_.size(), CV_8UC1);
     quantize(picture_, Rect(Point(), picture_.size()), squaredMagnitude(params_.magnitudeThreshold), orientations_, workspace_);

@@ -498,7 +498,7 @@ void ToolModel::forwardKinematics(InputArray joints, std::vector<Matx44d>& base_
     }
 }
 
-Matx44d ToolModel::endEffectorPose(const std::vector<Matx44d>& base_T_link) const
+Matx44d ToolModel::endEffectorFromLinks(const std::vector<Matx44d>& base_T_link) const
 {
     CV_CheckEQ(base_T_link.size(), description_.links.size(), "base_T_link: one per link");
     return base_T_link[description_.endEffectorLink] * description_.link_T_endEffector;

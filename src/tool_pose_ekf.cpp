@@ -159,7 +159,7 @@ bool solveEPnP(const CameraModel& camera, InputArray _nominalPoints, InputArray 
 }
 
 ToolPoseEKF::Params::Params()
-    : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.2 * CV_PI / 180), processTranslation(0.0005),
+    : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.05 * CV_PI / 180), processTranslation(0.00015),
       measurementNoise(3), gate(13.8)
 {
 }

@@ -150,7 +150,7 @@ void ToolTrackerImpl::reset(int tool)
     {
         if (tool >= 0 && i != tool) continue;
         TrackedTool& t = tools_[i];
-        t.filter->reset();
+        t.filter->reset(Matx44d::eye());
         t.correction = Matx44d::eye();
         t.state = STATE_INITIALIZING;
         t.confirmed = 0;
@@ -295,8 +295,11 @@ bool ToolTrackerImpl::initialize(int index, const Mat& image)
     Matx44d correction;
     if (solveEPnP(camera_, nominalPoints, imagePoints, correction, maxReprojectionError * pixelScale_) && plausible(tool, correction))
     {
-        tool.filter->reset(correction);
-        tool.correction = correction;
+        /* EPnP vouches for the points. The filter takes them in from the hand-eye calibration, whose error is of a known size: that
+           knows the depth better than EPnP, which is off by 5 mm and more (paper: starts from EPnP's pose). */
+        tool.filter->reset(Matx44d::eye());
+        if (params_.method == METHOD_EPNP || !tool.filter->correct(nominalPoints, imagePoints)) tool.filter->reset(correction);
+        tool.correction = tool.filter->correction();
         return true;
     }
     tool.inliers.clear();
@@ -337,7 +340,7 @@ bool ToolTrackerImpl::measure(int index, const Mat& image)
 
 void ToolTrackerImpl::report(const TrackedTool& tool, const ToolView& view, ToolEstimate& e) const
 {
-    const Matx44d nominal_T_tool = tool.nominal_T_base * tool.model->endEffectorPose(view.base_T_link);
+    const Matx44d nominal_T_tool = tool.nominal_T_base * tool.model->endEffectorFromLinks(view.base_T_link);
     e.state = tool.state;
     e.camera_T_nominal = tool.correction;
     e.camera_T_tool = tool.correction * nominal_T_tool;

@@ -56,7 +56,7 @@ public:
         CV_PROP_RW double boxSize;              //!< side of the box on the tool [m]; default 0.011
         CV_PROP_RW int minFeatures;             //!< a template with fewer is dropped; default 30
         CV_PROP_RW int maxFeatures;             //!< features kept, spread over the box; default 250 (paper's release: 63)
-        CV_PROP_RW double magnitudeThreshold;   //!< see quantizeOrientations(); default 50, as the paper's release
+        CV_PROP_RW double magnitudeThreshold;   //!< see quantizeOrientations(); default 80 (paper's release: 50): the gentle shading of a round shaft is no edge in an image
         CV_PROP_RW double depthSlack;           //!< a keypoint this far behind the drawn surface is visible [m]; 0.001, as the paper's release
         CV_PROP_RW double tipDepthSlack;        //!< the same for keypoints on the last links of the chain (tips) [m]; 0.003, as the paper's release
     };

@@ -122,7 +122,7 @@ public:
 
     /** @param base_T_link as forwardKinematics() gives them
     @return base_T_tool */
-    Matx44d endEffectorPose(const std::vector<Matx44d>& base_T_link) const;
+    Matx44d endEffectorFromLinks(const std::vector<Matx44d>& base_T_link) const;
 
     /** @brief Keypoints in the base frame.
     @param joints one value per coordinate [rad or m]

@@ -58,8 +58,8 @@ public:
     CV_WRAP static Ptr<ToolPoseEKF> create(const CameraModel& camera, const ToolPoseEKF::Params& params = ToolPoseEKF::Params());
     virtual ~ToolPoseEKF() {}
 
-    //! Starts anew from a correction with the initial covariance.
-    CV_WRAP virtual void reset(const Matx44d& camera_T_nominal = Matx44d::eye()) = 0;
+    //! Starts anew from a correction (the unit matrix: the hand-eye calibration itself) with the initial covariance.
+    CV_WRAP virtual void reset(const Matx44d& camera_T_nominal) = 0;
 
     //! One frame passes: P grows by Q.
     CV_WRAP virtual void predict() = 0;

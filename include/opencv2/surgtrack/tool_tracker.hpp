@@ -47,7 +47,7 @@ struct CV_EXPORTS_W_SIMPLE ToolEstimate
     CV_PROP int inliers;                 //!< matches that agreed on the geometric context and went into the pose
     CV_PROP double similarity;           //!< mean similarity of the inliers, 0..1; 0 without inliers
     CV_PROP double nis;                  //!< normalised innovation squared per degree of freedom; about 1 if the filter is consistent
-    std::vector<PartMatch> matches;      //!< the inliers
+    CV_PROP std::vector<PartMatch> matches;   //!< the inliers
 };
 
 /** @brief Finds the pose of articulated tools in the camera from video and joint readings.
