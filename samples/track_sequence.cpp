@@ -312,6 +312,7 @@ void printSummary(const Run& run)
     for (size_t i = 0; i < totals.size(); i++)
         total += totals[i];
     std::printf("tracker %.1f Hz, whole run %.1f frames/s\n", total > 0 ? run.frames / total : 0, run.seconds > 0 ? run.frames / run.seconds : 0);
+    std::fflush(stdout);
     if (!run.scorer)
         return;
     std::printf("error of the poses  covered     translation [mm]     rotation [rad]   accuracy     silent\n");
@@ -323,6 +324,7 @@ void printSummary(const Run& run)
                     s.frames ? 100. * s.covered / s.frames : 0, 1e3 * s.translationMean, 1e3 * s.translationStd, s.rotationMean, s.rotationStd,
                     100 * s.accuracy, 100 * s.silent);
     }
+    std::fflush(stdout);
 }
 
 } // namespace
@@ -346,18 +348,18 @@ int main(int argc, char** argv)
         Run run;
         const Options o = readOptions(parser);
         prepare(o, run);
-        int status = 0;
         try
         {
             track(o, run);
         }
-        catch (const Exception& e)   // what was tracked until then is written and summed up all the same
+        catch (const Exception&)   // what was tracked until then is written and summed up all the same
         {
-            status = common::reportError(program, e);
+            if (run.frames > 0)
+                printSummary(run);
+            throw;
         }
-        if (run.frames > 0)
-            printSummary(run);
-        return status;
+        printSummary(run);
+        return 0;
     }
     catch (const Exception& e)
     {

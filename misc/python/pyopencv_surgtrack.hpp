@@ -1,0 +1,21 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+// Names the binding generator forms for nested structures and for lists of structures.
+
+#ifdef HAVE_OPENCV_SURGTRACK
+#include "opencv2/surgtrack.hpp"
+
+typedef cv::surgtrack::GeometricContextVerifier::Params GeometricContextVerifier_Params;
+typedef cv::surgtrack::PartTemplateRenderer::Params PartTemplateRenderer_Params;
+typedef cv::surgtrack::QGOMatcher::Params QGOMatcher_Params;
+typedef cv::surgtrack::SyntheticScene::Params SyntheticScene_Params;
+typedef cv::surgtrack::ToolPoseEKF::Params ToolPoseEKF_Params;
+typedef cv::surgtrack::ToolTracker::Params ToolTracker_Params;
+
+typedef std::vector<cv::surgtrack::PartMatch> vector_PartMatch;
+typedef std::vector<cv::surgtrack::PartTemplate> vector_PartTemplate;
+typedef std::vector<cv::surgtrack::ToolEstimate> vector_ToolEstimate;
+typedef std::vector<std::vector<double> > vector_vector_double;
+#endif

@@ -1,0 +1,283 @@
+#!/usr/bin/env python
+
+from __future__ import print_function
+
+import os
+import shutil
+import tempfile
+
+import numpy as np
+import cv2 as cv
+
+from tests_common import NewOpenCVTests
+
+st = cv.surgtrack
+
+
+def rigid(rotation_vector, translation):
+    T = np.eye(4)
+    T[:3, :3] = cv.Rodrigues(np.float64(rotation_vector))[0]
+    T[:3, 3] = translation
+    return T
+
+
+class surgtrack_test(NewOpenCVTests):
+
+    def setUp(self):
+        super(surgtrack_test, self).setUp()
+        self.folder = tempfile.mkdtemp()
+        self.K = np.array([[818., 0, 360], [0, 822, 288], [0, 0, 1]])
+        self.camera = st.CameraModel(self.K, np.zeros(5), (720, 576))
+        self.model = st.ToolModel.needleDriver()
+        self.joints = np.array([0.0, 0.0, 0.12, 0.2, 0.3, -0.2, 0.5])
+
+    def tearDown(self):
+        shutil.rmtree(self.folder)
+        super(surgtrack_test, self).tearDown()
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def scene(self, **options):
+        params = st.SyntheticScene.Params()
+        params.imageSize = (360, 288)
+        params.frames = 6
+        for name, value in options.items():
+            setattr(params, name, value)
+        return st.SyntheticScene.create(None, params)
+
+    # A pose of the arm's base from which the built-in tool is in the middle of the view, 0.1 m away.
+    def camera_T_base(self):
+        tool = self.model.endEffectorPose(self.joints)
+        T = rigid([0, 2.2, 0], [0, 0, 0])
+        T[:3, 3] = [0, 0, 0.1] - T[:3, :3].dot(tool[:3, 3])
+        return T
+
+    def test_camera_projects_and_unprojects(self):
+        camera = st.CameraModel(self.K, np.array([-0.2, 0.06, 0.001, 0.001, 0]), (720, 576))
+        self.assertTrue(camera.hasDistortion())
+        self.assertFalse(self.camera.hasDistortion())
+        self.assertEqual(tuple(camera.imageSize()), (720, 576))
+        np.testing.assert_array_equal(camera.cameraMatrix(), self.K)
+        self.assertEqual(camera.distCoeffs().ravel()[0], -0.2)
+        points = np.array([[0.01, 0.02, 0.1], [-0.02, 0.01, 0.12]])
+        projected = camera.projectPoints(points).reshape(-1, 2)
+        expected = cv.projectPoints(points, np.zeros(3), np.zeros(3), self.K, camera.distCoeffs()[:, :5])[0].reshape(-1, 2)
+        np.testing.assert_allclose(projected, expected, atol=1e-9)   # the same formula
+        rays = camera.unprojectPoints(projected).reshape(-1, 2)
+        np.testing.assert_allclose(rays, points[:, :2] / points[:, 2:], atol=1e-6)   # inverted by iteration
+
+    def test_errors_are_exceptions(self):
+        with self.assertRaises((cv.error, SystemError)):   # what Python makes of an exception in a constructor
+            st.CameraModel(np.eye(2), np.zeros(5), (720, 576))
+        with self.assertRaises(cv.error):
+            st.ToolModel.load(self.path('missing.yaml'))
+        with self.assertRaises(cv.error):
+            st.Sequence.load(self.path('missing'))
+        with self.assertRaises(cv.error):
+            st.PoseWriter.create(self.path('missing/poses.csv'))
+        with self.assertRaises(cv.error):
+            self.model.endEffectorPose(np.full(7, np.nan))
+
+    def test_tool_model(self):
+        self.assertEqual(list(self.model.coordinateNames()), ['q1', 'q2', 'q3', 'q4', 'q5', 'q6', 'jaw'])
+        self.assertEqual(self.model.coordinateIndex('jaw'), 6)
+        self.assertEqual(self.model.coordinateIndex('none'), -1)
+        self.assertEqual(len(self.model.keypointNames()), 14)
+        self.assertGreater(len(self.model.linkNames()), 3)
+        vertices, triangles = self.model.getMesh(0)
+        self.assertEqual((vertices.shape[1], triangles.shape[1]), (3, 3))
+        self.assertLess(triangles.max(), len(vertices))
+        points, jacobian = self.model.keypointPositions(self.joints)
+        self.assertEqual((points.shape, jacobian.shape), ((14, 3), (42, 7)))
+        step = 1e-6
+        for c in range(7):
+            moved = self.joints.copy()
+            moved[c] += step
+            difference = (self.model.keypointPositions(moved)[0] - points).ravel() / step
+            np.testing.assert_allclose(jacobian[:, c], difference, atol=1e-6)   # forward difference: step * curvature / 2
+
+    def test_tool_model_saves_and_loads(self):
+        self.model.save(self.path('tool.yaml'))
+        loaded = st.ToolModel.load(self.path('tool.yaml'))
+        self.assertEqual(loaded.name(), self.model.name())
+        np.testing.assert_allclose(loaded.endEffectorPose(self.joints), self.model.endEffectorPose(self.joints), atol=1e-12)   # rounding
+
+    def test_mesh_renderer_draws_the_tool(self):
+        renderer = st.MeshRenderer.createSoftware()
+        depth, ids, shading = renderer.renderTool(self.model, self.joints, self.camera_T_base(), self.camera)
+        self.assertEqual((depth.dtype, ids.dtype, shading.dtype), (np.float32, np.uint8, np.uint8))
+        self.assertEqual(depth.shape, (576, 720))
+        np.testing.assert_array_equal(depth > 0, ids > 0)
+        self.assertGreater((ids > 0).mean(), 0.01)
+        self.assertTrue(hasattr(st.MeshRenderer, 'createVTK'))
+
+    def test_part_templates_are_found_where_they_were_drawn(self):
+        renderer = st.PartTemplateRenderer.create(st.MeshRenderer.createSoftware(), st.PartTemplateRenderer.Params())
+        renderer.addTool(self.model)
+        templates = renderer.renderTool(self.camera, self.camera_T_base(), self.joints)
+        self.assertGreaterEqual(len(templates), 4)
+        for t in templates:
+            features = t.getFeatures()
+            self.assertEqual(features.shape[1], 3)
+            self.assertGreaterEqual(len(features), st.PartTemplateRenderer.Params().minFeatures)
+            self.assertTrue(0 <= features[:, 2].min() and features[:, 2].max() < 8)
+
+        shading = st.MeshRenderer.createSoftware().renderTool(self.model, self.joints, self.camera_T_base(), self.camera)[2]
+        matcher = st.QGOMatcher.create(st.QGOMatcher.Params())
+        matcher.setImage(shading)
+        matches = matcher.match(templates, [])
+        best = {}
+        for m in matches:
+            best.setdefault(m.part, m)   # sorted by falling similarity
+        for t in templates:
+            self.assertGreater(best[t.part].similarity, 0.8)
+            np.testing.assert_allclose(best[t.part].imagePoint, t.imagePoint, atol=3)   # half the spreading, rounded up
+        x, y = t.anchor
+        similarity = matcher.similarityMap(t, (x - 5, y - 4, 11, 9))
+        self.assertEqual((similarity.shape, similarity.dtype), ((9, 11), np.uint16))
+
+        verifier = st.GeometricContextVerifier.create(st.GeometricContextVerifier.Params())
+        found, inliers = verifier.verify(matches)
+        self.assertTrue(found)
+        self.assertEqual(len(set(m.part for m in inliers)), len(inliers))
+        found, inliers = verifier.verify(matches[:2])
+        self.assertFalse(found)
+        self.assertEqual(len(inliers), 0)
+
+    def test_gradient_orientations(self):
+        image = np.zeros((40, 60), np.uint8)
+        image[:, 30:] = 200   # a horizontal gradient
+        orientations = st.quantizeOrientations(image)
+        self.assertEqual(set(np.unique(orientations)), {0, 1})
+        spread = st.spreadOrientations(orientations, size=5)
+        self.assertGreater((spread > 0).sum(), (orientations > 0).sum())
+        self.assertEqual(st.orientationResponse(spread, 0).max(), 4)
+        self.assertEqual(st.orientationResponse(spread, 1).max(), 1)
+        self.assertEqual(st.orientationResponse(spread, 4).max(), 0)
+
+    def test_filter_finds_the_correction(self):
+        true_correction = rigid([0.02, -0.03, 0.01], [0.003, -0.002, 0.004])
+        rng = np.random.RandomState(3)
+        points = np.array([0, 0, 0.1]) + rng.uniform(-0.02, 0.02, (10, 3))
+        state = st.stateFromCorrection(true_correction)
+        np.testing.assert_allclose(st.correctionFromState(state), true_correction, atol=1e-12)   # rounding
+        image_points, jacobian = st.projectKeypoints(self.camera, state, points)
+        self.assertEqual(jacobian.shape, (20, 6))
+        image_points = image_points.reshape(-1, 2)
+
+        found, correction = st.solveEPnP(self.camera, points, image_points)
+        self.assertTrue(found)
+        np.testing.assert_allclose(correction, true_correction, atol=1e-5)   # exact points; EPnP is linear
+
+        ekf = st.ToolPoseEKF.create(self.camera, st.ToolPoseEKF.Params())
+        ekf.reset(np.eye(4))
+        before = np.trace(ekf.covariance())
+        for _ in range(30):
+            ekf.predict()
+            updated, used = ekf.correct(points, image_points)
+        self.assertTrue(updated)
+        self.assertEqual(used.size, 10)
+        self.assertLess(np.trace(ekf.covariance()), before)
+        self.assertLess(np.abs(ekf.correction() - true_correction).max(), 2e-3)   # far below the 0.03 and 4 mm it starts from
+        self.assertEqual(ekf.state().size, 6)
+        self.assertEqual(ekf.imageCovariance((0, 0, 0.1)).shape, (2, 2))
+        self.assertEqual(ekf.poseCovariance((0, 0, 0.1)).shape, (6, 6))
+        self.assertGreaterEqual(ekf.nis(), 0)
+
+    def test_sequence_reads_what_the_scene_writes(self):
+        scene = self.scene(tools=2, stereo=True, distortion=True)
+        scene.write(self.folder)
+        sequence = st.Sequence.load(self.folder)
+        self.assertEqual((sequence.toolCount(), sequence.fps(), sequence.isStereo()), (2, 25, True))
+        self.assertEqual(tuple(sequence.leftCamera().imageSize()), (360, 288))
+        np.testing.assert_allclose(sequence.right_T_left(), scene.right_T_left(), atol=1e-15)   # 17 digits
+        self.assertEqual(sequence.tool(1).name, 'PSM2')
+        np.testing.assert_allclose(sequence.tool(1).nominal_T_base, scene.nominal_T_base(1), atol=1e-12)   # 17 digits
+        self.assertTrue(os.path.exists(sequence.tool(0).model))
+        found, joints = sequence.jointsAt(0, 0.04)
+        self.assertTrue(found)
+        np.testing.assert_allclose(joints, scene.recordedJoints(0, 0.04), atol=1e-6)   # nine digits in the file
+        found, jaw = sequence.jointsAt(0, 0.04, ['jaw'])
+        self.assertEqual(list(jaw), [joints[list(sequence.jointNames()).index('jaw')]])
+        self.assertFalse(sequence.jointsAt(0, 99.)[0])
+        self.assertLess(sequence.firstTime(0), sequence.lastTime(0))
+        found, pose, true_joints = sequence.groundTruth(1, 5)
+        self.assertTrue(found)
+        np.testing.assert_allclose(pose, scene.truePose(1, 0.2), atol=1e-8)            # nine digits in the file
+        np.testing.assert_allclose(true_joints, scene.trueJoints(1, 0.2), atol=1e-8)   # nine digits in the file
+        self.assertFalse(sequence.groundTruth(1, 6)[0])
+        self.assertTrue(sequence.hasGroundTruth())
+        self.assertEqual(sequence.groundTruthEnd(), 6)
+        video = cv.VideoCapture(sequence.leftVideo())
+        self.assertEqual(video.get(cv.CAP_PROP_FRAME_COUNT), 6)
+
+    def test_scene_is_deterministic(self):
+        image = self.scene().render(3)
+        self.assertEqual((image.shape, image.dtype), ((288, 360, 3), np.uint8))
+        np.testing.assert_array_equal(image, self.scene().render(3))
+        self.assertEqual(self.scene(tools=2).toolCount(), 2)
+        self.assertEqual(self.scene().frameCount(), 6)
+        self.assertEqual(self.scene().model().name(), self.model.name())
+
+    def test_pose_writer(self):
+        filename = self.path('poses.csv')
+        writer = st.PoseWriter.create(filename, ['nis'])
+        writer.write(7, 0.28, 'PSM1', st.STATE_TRACKING, rigid([0, 0, np.pi / 2], [0.1, 0.2, 0.3]), [float('nan')])
+        with self.assertRaises(cv.error):
+            writer.write(8, 0.32, 'PSM1', st.STATE_TRACKING, np.full((4, 4), np.nan), [1.])
+        with open(filename) as f:
+            lines = f.read().splitlines()
+        self.assertEqual(lines[0], 'frame,time,tool,status,tx,ty,tz,qx,qy,qz,qw,nis')
+        cells = lines[1].split(',')
+        self.assertEqual((cells[0], cells[2], cells[3], cells[11]), ('7', 'PSM1', 'tracking', ''))
+        np.testing.assert_allclose([float(c) for c in cells[4:11]], [0.1, 0.2, 0.3, 0, 0, 0.5 ** 0.5, 0.5 ** 0.5], atol=1e-9)   # nine decimals
+        self.assertEqual(len(lines), 2)
+
+    def test_pose_scorer(self):
+        scorer = st.PoseScorer.create(self.camera, 1)
+        truth = rigid([0, 0, 0], [0, 0, 0.1])
+        scorer.add(0, st.STATE_TRACKING, rigid([0, 0, 0.1], [0, 0, 0.1]), truth)
+        scorer.add(0, st.STATE_LOST, truth, truth)
+        score = scorer.score()
+        self.assertEqual((score.frames, score.covered), (2, 1))
+        self.assertAlmostEqual(score.rotationMean, 0.1)
+        self.assertAlmostEqual(score.translationMean, 0)
+        self.assertEqual(score.accuracy, 0.5)
+        self.assertEqual(score.silent, 0)
+        self.assertAlmostEqual(score.translationStd, 0)
+        self.assertAlmostEqual(score.rotationStd, 0)
+
+    def test_tracker_tracks_the_scene(self):
+        scene = self.scene(imageSize=(720, 576), frames=25)
+        params = st.ToolTracker.Params()
+        params.method = st.METHOD_PAPER
+        tracker = st.ToolTracker.create(scene.camera(), params)
+        self.assertEqual(tracker.addTool(scene.model(), scene.nominal_T_base(0)), 0)
+        scorer = st.PoseScorer.create(scene.camera(), 1)
+        for frame in range(12):
+            time = frame / 25.
+            image, joints = scene.render(frame), scene.recordedJoints(0, time)
+            estimate, = tracker.update(image, time, [joints])
+            scorer.add(0, estimate.state, estimate.camera_T_tool, scene.truePose(0, time))
+        self.assertEqual(st.stateName(estimate.state), 'tracking')
+        self.assertEqual(estimate.covariance.shape, (6, 6))
+        self.assertGreaterEqual(estimate.inliers, 4)
+        self.assertGreaterEqual(estimate.visibleParts, estimate.inliers)
+        self.assertEqual(len(estimate.matches), estimate.inliers)
+        self.assertTrue(0 < estimate.similarity <= 1)
+        self.assertTrue(np.isfinite(estimate.nis))
+        tool = estimate.camera_T_nominal.dot(scene.nominal_T_base(0)).dot(scene.model().endEffectorPose(joints))
+        np.testing.assert_allclose(estimate.camera_T_tool, tool, atol=1e-9)   # the chain of transforms
+        self.assertLess(scorer.score().translationMean, 0.004)   # the calibration is 6 mm off
+        self.assertEqual(len(tracker.getTimings()), len(st.ToolTracker.timingNames()))
+        with self.assertRaises(cv.error):
+            tracker.update(image[:100], 9., [joints])
+        tracker.reset()
+        before = image.copy()
+        st.drawSkeleton(image, scene.camera(), scene.model(), joints, scene.camera_T_base(0), (0, 255, 0))
+        self.assertGreater(np.count_nonzero(image != before), 100)
+
+
+if __name__ == '__main__':
+    NewOpenCVTests.bootstrap()

@@ -1,0 +1,272 @@
+#!/usr/bin/env python3
+# This file is part of OpenCV project.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution and at http://opencv.org/license.html.
+"""Tracks the tools of a recorded sequence: video, joint readings and a rough hand-eye calibration in, tool poses out."""
+
+import argparse
+import os
+import sys
+import time
+
+os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', '-8')  # errors are printed once, below
+os.environ.setdefault('OPENCV_LOG_LEVEL', 'SILENT')
+import numpy as np
+import cv2 as cv
+from cv2 import surgtrack as st
+
+METHODS = {'paper': st.METHOD_PAPER, 'epnp': st.METHOD_EPNP}
+
+
+class Failure(Exception):
+    """The line the user gets."""
+
+
+class ArgumentParser(argparse.ArgumentParser):
+    def error(self, message):
+        raise Failure(message + ', see --help')
+
+
+def count(text):
+    if not text.isdigit():
+        raise argparse.ArgumentTypeError("'%s': expected a whole number from 0" % text)
+    return int(text)
+
+
+def parse_arguments():
+    parser = ArgumentParser(description=__doc__, allow_abbrev=False)
+    parser.add_argument('--sequence', help='folder of the sequence; without it a synthetic one is made in ./surgtrack_demo and tracked')
+    parser.add_argument('--poses', help='CSV file to write the poses to')
+    parser.add_argument('--video', help='MP4 file to draw the result into: kinematics in red, estimate in green, matched parts as dots')
+    parser.add_argument('--method', default='paper', help='paper: Ye et al. 2016; epnp: their baseline, EPnP on each frame alone')
+    parser.add_argument('--stereo', action='store_true', help='use the right image too')
+    parser.add_argument('--start', type=count, default=0, help='first frame')
+    parser.add_argument('--frames', type=count, default=0, help='number of frames, 0 = to the end of the video')
+    parser.add_argument('--quiet', action='store_true', help='no progress')
+    args = parser.parse_args()
+    if args.method not in METHODS:
+        raise Failure("argument '--method=%s': the methods available are paper and epnp" % args.method)
+    if args.stereo:
+        raise Failure("argument '--stereo': method %s uses one image, run it without --stereo" % args.method)
+    return args
+
+
+class FrameReader:
+    """A video whose frames all have the size the sequence says."""
+
+    def __init__(self, sequence, start):
+        self.filename = sequence.leftVideo()
+        self.size = sequence.leftCamera().imageSize()
+        self.capture = cv.VideoCapture(self.filename)
+        if not self.capture.isOpened():
+            raise Failure('%s: can\'t be read as a video' % self.filename)
+        self.count = int(self.capture.get(cv.CAP_PROP_FRAME_COUNT))
+        self.next = 0
+        while self.next < start and self.capture.grab():  # seeking is not exact in every container
+            self.next += 1
+        if self.next < start:
+            raise Failure('%s: has %d frames, none at --start=%d' % (self.filename, self.next, start))
+
+    def read(self):
+        found, image = self.capture.read()
+        if not found:
+            return None
+        if (image.shape[1], image.shape[0]) != tuple(self.size):
+            raise Failure('%s: frame %d has %dx%d pixels, expected %dx%d as in sequence.yaml'
+                          % ((self.filename, self.next, image.shape[1], image.shape[0]) + tuple(self.size)))
+        self.next += 1
+        return image
+
+    def check_end(self, sequence):
+        for expected, source, slack in ((self.count, 'its header says', 2), (sequence.groundTruthEnd(), 'in the ground truth', 0)):
+            if self.next + slack < expected:
+                raise Failure('%s: ends after %d frames, expected %d as %s' % (self.filename, self.next, expected, source))
+
+
+class Overlay:
+    """The overlay video."""
+
+    def __init__(self, filename, fps, size):
+        self.filename, self.frames = filename, 0
+        for code in ('avc1', 'mp4v'):
+            self.writer = cv.VideoWriter(filename, cv.VideoWriter_fourcc(*code), fps, size)
+            if self.writer.isOpened():
+                return
+        raise Failure('%s: can\'t be written as a video, expected a file in a folder that exists, such as overlay.mp4' % filename)
+
+    def write(self, image):
+        self.writer.write(image)
+        self.frames += 1
+
+    def finish(self):
+        self.writer.release()
+        if self.frames and cv.VideoCapture(self.filename).get(cv.CAP_PROP_FRAME_COUNT) < self.frames:
+            raise Failure('%s: not all of its %d frames were written, is the disk full?' % (self.filename, self.frames))
+
+
+class Progress:
+    """A line on stderr that is written over itself, if stderr is a terminal."""
+
+    def __init__(self, total, quiet):
+        self.total, self.enabled = total, not quiet and sys.stderr.isatty()
+        self.start = self.last = time.time()
+
+    def show(self, done):
+        now = time.time()
+        if not self.enabled or (now - self.last < 0.2 and done != self.total):
+            return
+        self.last = now
+        rate = done / max(now - self.start, 1e-9)
+        eta = int(max(0, self.total - done) / rate)
+        sys.stderr.write('\rframe %d of %d   %.1f frames/s   ETA %d:%02d   ' % (done, self.total, rate, eta // 60, eta % 60))
+        sys.stderr.flush()
+
+    def clear(self):
+        if self.enabled:
+            sys.stderr.write('\r%60s\r' % '')
+
+
+class Tool:
+    def __init__(self, info, model):
+        self.info, self.model, self.tracked = info, model, 0
+
+
+class Run:
+    def __init__(self, args):
+        folder = args.sequence
+        if folder is None:
+            folder = 'surgtrack_demo'
+            if not args.quiet:
+                sys.stderr.write('making a synthetic sequence in %s\n' % folder)
+            st.SyntheticScene.create().write(folder)
+        self.sequence = st.Sequence.load(folder)
+        params = st.ToolTracker.Params()
+        params.method = METHODS[args.method]
+        self.tracker = st.ToolTracker.create(self.sequence.leftCamera(), params)
+        self.tools, models = [], {}
+        for i in range(self.sequence.toolCount()):
+            info = self.sequence.tool(i)
+            if info.model not in models:
+                models[info.model] = st.ToolModel.load(info.model)
+            self.tracker.addTool(models[info.model], info.nominal_T_base)
+            self.tools.append(Tool(info, models[info.model]))
+        self.scorer = st.PoseScorer.create(self.sequence.leftCamera(), len(self.tools)) if self.sequence.hasGroundTruth() else None
+        self.timings, self.frames, self.seconds = [], 0, 0.
+
+    def joints(self, frame):
+        result, seconds = [], frame / self.sequence.fps()
+        for i, tool in enumerate(self.tools):
+            found, joints = self.sequence.jointsAt(i, seconds, tool.model.coordinateNames())
+            if not found:
+                raise Failure("%s: no joint readings of tool '%s' at %.3f s (frame %d), expected the time of every frame; they cover %.3f to %.3f s"
+                              % (self.sequence.kinematicsFile(), tool.info.name, seconds, frame, self.sequence.firstTime(i), self.sequence.lastTime(i)))
+            result.append(joints)
+        return result
+
+    def update(self, frame, image, joints, writer):
+        seconds = frame / self.sequence.fps()
+        estimates = self.tracker.update(image, seconds, joints)
+        self.timings.append(self.tracker.getTimings())
+        for i, (tool, e) in enumerate(zip(self.tools, estimates)):
+            tool.tracked += e.state == st.STATE_TRACKING
+            if writer is not None:
+                writer.write(frame, seconds, tool.info.name, e.state, e.camera_T_tool, [e.visibleParts, e.inliers, e.similarity, e.nis])
+            if self.scorer is not None:
+                found, truth, _ = self.sequence.groundTruth(i, frame)
+                if found:
+                    self.scorer.add(i, e.state, e.camera_T_tool, truth)
+        self.frames += 1
+        return estimates
+
+    def draw(self, image, joints, estimates):
+        camera, scale = self.sequence.leftCamera(), image.shape[1] / 720.
+        thickness = max(1, int(round(scale)))
+        for i, (tool, e) in enumerate(zip(self.tools, estimates)):
+            known = e.state in (st.STATE_TRACKING, st.STATE_COASTING)
+            st.drawSkeleton(image, camera, tool.model, joints[i], tool.info.nominal_T_base, (0, 0, 255))
+            if known:
+                st.drawSkeleton(image, camera, tool.model, joints[i], e.camera_T_nominal.dot(tool.info.nominal_T_base), (0, 255, 0))
+            parts = len(tool.model.keypointNames())
+            for match in e.matches:
+                hsv = np.uint8([[[179 * match.part // parts, 255, 255]]])
+                point = tuple(int(round(c)) for c in match.imagePoint)
+                cv.circle(image, point, int(4 * scale), cv.cvtColor(hsv, cv.COLOR_HSV2BGR)[0, 0].tolist(), cv.FILLED, cv.LINE_AA)
+                cv.circle(image, point, int(4 * scale), (0, 0, 0), thickness, cv.LINE_AA)
+            text = '%s  %s  similarity %.2f' % (tool.info.name, st.stateName(e.state), e.similarity)
+            origin = (int(10 * scale), int((22 + 22 * i) * scale))
+            cv.putText(image, text, origin, cv.FONT_HERSHEY_SIMPLEX, 0.55 * scale, (0, 0, 0), 3 * thickness, cv.LINE_AA)
+            color = (120, 255, 120) if known else (120, 120, 255)
+            cv.putText(image, text, origin, cv.FONT_HERSHEY_SIMPLEX, 0.55 * scale, color, thickness, cv.LINE_AA)
+
+    def print_summary(self):
+        size = self.sequence.leftCamera().imageSize()
+        print('%s: %d frames of %dx%d' % (self.sequence.name(), self.frames, size[0], size[1]))
+        for tool in self.tools:
+            print('  %-8s tracked in %.1f %% of the frames' % (tool.info.name, 100. * tool.tracked / self.frames))
+        print('time a frame [ms]   median      95 %')
+        timings = np.sort(np.array(self.timings).reshape(self.frames, -1), axis=0)
+        for i, name in enumerate(st.ToolTracker.timingNames()):
+            print('  %-14s %9.2f %9.2f' % (name, 1e3 * timings[self.frames // 2, i], 1e3 * timings[min(self.frames - 1, int(0.95 * self.frames)), i]))
+        print('tracker %.1f Hz, whole run %.1f frames/s' % (self.frames / max(timings[:, -1].sum(), 1e-9), self.frames / max(self.seconds, 1e-9)))
+        if self.scorer is None:
+            return
+        print('error of the poses  covered     translation [mm]     rotation [rad]   accuracy     silent')
+        for i, name in enumerate([tool.info.name for tool in self.tools] + ['overall']):
+            s = self.scorer.score(i if i < len(self.tools) else -1)
+            print('  %-14s %8.1f %%    %6.2f +- %6.2f    %6.3f +- %5.3f   %6.1f %%   %6.1f %%'
+                  % (name, 100. * s.covered / max(s.frames, 1), 1e3 * s.translationMean, 1e3 * s.translationStd, s.rotationMean, s.rotationStd,
+                     100 * s.accuracy, 100 * s.silent))
+
+
+def track(args, run):
+    reader = FrameReader(run.sequence, args.start)
+    writer = st.PoseWriter.create(args.poses, ['visible', 'inliers', 'similarity', 'nis']) if args.poses else None
+    overlay = Overlay(args.video, run.sequence.fps(), run.sequence.leftCamera().imageSize()) if args.video else None
+    remaining = max(0, reader.count - args.start)
+    progress = Progress(min(args.frames, remaining) if args.frames else remaining, args.quiet)
+    begin, frame = time.time(), args.start
+    try:
+        while args.frames == 0 or frame < args.start + args.frames:
+            image = reader.read()
+            if image is None:
+                reader.check_end(run.sequence)
+                break
+            joints = run.joints(frame)
+            estimates = run.update(frame, image, joints, writer)
+            if overlay is not None:
+                run.draw(image, joints, estimates)
+                overlay.write(image)
+            run.seconds = time.time() - begin
+            progress.show(run.frames)
+            frame += 1
+    finally:
+        progress.clear()
+        if overlay is not None:
+            overlay.finish()
+    if run.frames == 0:
+        raise Failure('%s: has no frames' % run.sequence.leftVideo())
+
+
+def main():
+    try:
+        args = parse_arguments()
+        run = Run(args)
+        try:
+            track(args, run)
+        finally:
+            if run.frames > 0:  # what was tracked until an error is written and summed up all the same
+                run.print_summary()
+                sys.stdout.flush()
+        return 0
+    except Failure as e:
+        message = str(e)
+    except cv.error as e:
+        message = e.err
+    except OSError as e:
+        message = str(e)
+    sys.stderr.write('track_sequence.py: %s\n' % message.replace('\n', ' '))
+    return 1
+
+
+if __name__ == '__main__':
+    sys.exit(main())
