@@ -8,6 +8,8 @@
 #include "test_precomp.hpp"
 
 #include <limits>
+#include <map>
+#include <set>
 
 namespace opencv_test { namespace {
 
@@ -114,19 +116,25 @@ inline Mat textured(Size size, int channels, uint64 seed, double low = 0, double
     return result;
 }
 
+// Made once: immutable.
+inline Ptr<ToolModel> needleDriver()
+{
+    static const Ptr<ToolModel> model = ToolModel::needleDriver();
+    return model;
+}
+
 /* The built-in tool in front of a camera.
-   roll: about the viewing axis, tilt: of the shaft against it [rad]; joints: of the last six coordinates' wrist */
+   depth, at: of its end effector [m]; roll: about the viewing axis; tilt: of the shaft against it; wrist: its two bends [rad] */
 struct PosedTool
 {
     explicit PosedTool(double depth = 0.1, double roll = 0.3, double tilt = 1.1, double wrist = 0.35, const Point2d& at = Point2d())
-        : model(ToolModel::needleDriver()), joints(model->coordinateNames().size(), 0.)
+        : model(needleDriver()), joints(model->coordinateNames().size(), 0.)
     {
         set("q3", 0.12);
         set("q4", 0.4);
         set("q5", wrist);
         set("q6", -wrist);
         set("jaw", 0.5);
-        // The tool points away from the camera, tilted.
         const Matx33d R = rotationMatrix(Vec3d(0, 0, roll)) * rotationMatrix(Vec3d(0, tilt, 0));
         camera_T_tool = rigid(R, Point3d(at.x, at.y, depth));
         place();
