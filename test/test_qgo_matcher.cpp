@@ -130,6 +130,37 @@ TEST(SurgTrack_QGOMatcher, findsEveryPartWhereItWasPasted)
     EXPECT_LT(sum / count, 0.5) << count;   // measured: 0.42; the background pulls at outlines
 }
 
+TEST(SurgTrack_QGOMatcher, anExactCopyIsFoundWithoutBias)
+{
+    // The drawing that the templates were cut from, moved by whole pixels: peaks are flat, and their centre is the place.
+    const CameraModel camera = endoscope();
+    const PosedTool tool;
+    const std::vector<PartTemplate> templates = templatesOf(camera, tool);
+    Mat depth, ids, shading;
+    MeshRenderer::createSoftware()->renderTool(tool.model, tool.joints, tool.view.camera_T_base, camera, depth, ids, shading);
+    shading.setTo(140, ids == 0);
+    const Point shifts[] = {Point(0, 0), Point(-9, 6)};
+    for (const Point& shift : shifts)
+    {
+        Mat image(shading.size(), CV_8UC1, Scalar(140));
+        const Rect all(Point(), image.size()), to = (all + shift) & all;
+        shading(to - shift).copyTo(image(to));
+        Ptr<QGOMatcher> matcher = QGOMatcher::create();
+        matcher->setImage(image);
+        std::vector<PartMatch> matches;
+        matcher->match(templates, windowsAround(templates, 30), matches);
+        std::set<int> seen;
+        for (const PartMatch& m : matches)
+        {
+            if (!seen.insert(m.templateIndex).second) continue;
+            const Point2d off = m.imagePoint - m.predictedPoint - Point2d(shift);
+            EXPECT_NEAR(0, off.x, 0.1) << m.part;   // neighbouring edges make a peak's top uneven by hundredths of a pixel
+            EXPECT_NEAR(0, off.y, 0.1) << m.part;
+        }
+        EXPECT_EQ(templates.size(), seen.size());
+    }
+}
+
 TEST(SurgTrack_QGOMatcher, findsPartsInTheWholeImage)
 {
     const CameraModel camera = endoscope(true, Size(360, 288));
@@ -240,7 +271,7 @@ TEST(SurgTrack_QGOMatcher, matchesAreTheBestPlacesOfTheMapWithTheirNeighbourhood
             const PartMatch& m = matches[expected++];
             ASSERT_EQ(best / 160, m.similarity) << round;
             const Point2d place = m.imagePoint - (t.imagePoint - Point2d(t.anchor)), off = place - Point2d(at + window.tl());
-            ASSERT_LE(std::max(std::abs(off.x), std::abs(off.y)), 3 + 1e-9) << round;   // the peak's centre of mass within three pixels
+            ASSERT_LE(std::max(std::abs(off.x), std::abs(off.y)), 4 + 1e-9) << round;   // the centre of a peak that spreading made 5 x 5, seen from its first corner
         }
         ASSERT_EQ(expected, matches.size()) << round;
         (int(expected) == params.candidates ? full : fewer)++;
