@@ -65,17 +65,23 @@ public:
             fail(format("expected %lld faces, read %lld", (long long)faces_, (long long)faces));
     }
 
+    const std::string& content() const { return data_; }
+
     void fail(const String& what) const { CV_Error(Error::StsParseError, filename_ + ": " + what); }
 
 private:
-    struct Property { String name; int countSize, size; };   // countSize 0: not a list
+    struct Type { int size; bool isInteger, isSigned; };
+    struct Property { String name; Type count, value; };   // count.size 0: not a list
     struct Element { String name; int64 count; std::vector<Property> properties; };
 
     std::vector<Element> readPLYHeader(String& plyFormat);
     void needPLYProperty(const std::vector<Element>& elements, const char* element, const char* property, bool list) const;
-    void skipNumber() { nextNumber(); }
+    static Type plyType(const String& name);
+    void checkPLYFace(const int64* indices, int64 count) const;
+    void checkTextElement(const Element& element, bool faces);
+    void checkBinaryElement(const Element& element, bool faces, bool bigEndian);
     double nextNumber();
-    int64 nextInteger(int size, bool bigEndian);
+    int64 nextInteger(const Type& type, bool bigEndian);
 
     bool nextLine(String& line)
     {
@@ -87,6 +93,18 @@ private:
             line.resize(line.size() - 1);
         pos_ = end + 1;
         return true;
+    }
+
+    String checkOBJCorner(const String& corner, const int64* count, int line) const;
+
+    // vtkPLYReader stumbles over characters that are white space to others.
+    void nextPLYLine(String& line, const char* expected)
+    {
+        if (!nextLine(line))
+            fail(String("truncated: expected ") + expected);
+        for (size_t i = 0; i < line.size(); ++i)
+            if ((uchar)line[i] < ' ' && line[i] != '\t')
+                fail("expected text, found `" + line.substr(0, 40) + "`");
     }
 
     void need(int64 bytes) const
@@ -102,26 +120,31 @@ private:
     int64 faces_, vertices_;
 };
 
-int plyTypeSize(const String& type)
+MeshFileChecker::Type MeshFileChecker::plyType(const String& name)
 {
-    static const char* const names[] = { "char", "uchar", "int8", "uint8", "short", "ushort", "int16", "uint16",
-                                         "int", "uint", "int32", "uint32", "float", "float32", "double", "float64" };
+    static const char* const names[] = { "char", "int8", "uchar", "uint8", "short", "int16", "ushort", "uint16",
+                                         "int", "int32", "uint", "uint32", "float", "float32", "double", "float64" };
+    Type type = { 0, false, false };
     for (int i = 0; i < 16; ++i)
-        if (type == names[i])
-            return i < 4 ? 1 : i < 8 ? 2 : i < 14 ? 4 : 8;
-    return 0;
+        if (name == names[i])
+        {
+            type.size = i < 4 ? 1 : i < 8 ? 2 : i < 14 ? 4 : 8;
+            type.isInteger = i < 12;
+            type.isSigned = i % 4 < 2;
+        }
+    return type;
 }
 
 std::vector<MeshFileChecker::Element> MeshFileChecker::readPLYHeader(String& plyFormat)
 {
     std::vector<Element> elements;
     String line;
-    if (!nextLine(line) || line != "ply")
+    nextPLYLine(line, "`ply`");
+    if (line != "ply")
         fail("expected a PLY file (first line `ply`)");
     while (true)
     {
-        if (!nextLine(line))
-            fail("truncated: expected `end_header`");
+        nextPLYLine(line, "`end_header`");
         std::istringstream words(line);
         String word, type, countType;
         words >> word;
@@ -140,20 +163,21 @@ std::vector<MeshFileChecker::Element> MeshFileChecker::readPLYHeader(String& ply
         }
         else if (word == "property")
         {
-            Property p = { String(), 0, 0 };
+            Property p = { String(), plyType(String()), plyType(String()) };
             words >> type;
-            if (type == "list")
+            const bool list = type == "list";
+            if (list)
             {
                 words >> countType >> type;
-                p.countSize = plyTypeSize(countType);
+                p.count = plyType(countType);
             }
-            p.size = plyTypeSize(type);
+            p.value = plyType(type);
             words >> p.name;
-            if (elements.empty() || !p.size || (!countType.empty() && !p.countSize))
+            if (elements.empty() || !p.value.size || (list && !p.count.isInteger) || (p.name == "vertex_indices" && !p.value.isInteger))
                 fail("expected `property TYPE NAME` or `property list TYPE TYPE NAME` of an element, found `" + line + "`");
             elements.back().properties.push_back(p);
         }
-        else if (!word.empty() && word != "comment" && word != "obj_info")
+        else if (word != "comment" && word != "obj_info")
             fail("unknown line `" + line + "` in the header");
     }
 }
@@ -163,7 +187,7 @@ void MeshFileChecker::needPLYProperty(const std::vector<Element>& elements, cons
 {
     for (size_t e = 0; e < elements.size(); ++e)
         for (size_t p = 0; elements[e].name == element && p < elements[e].properties.size(); ++p)
-            if (elements[e].properties[p].name == property && (elements[e].properties[p].countSize > 0) == list)
+            if (elements[e].properties[p].name == property && (elements[e].properties[p].count.size > 0) == list)
                 return;
     fail(format("expected %s `%s` of element `%s` in the header", list ? "a list" : "a number", property, element));
 }
@@ -182,14 +206,72 @@ double MeshFileChecker::nextNumber()
     return value;
 }
 
-int64 MeshFileChecker::nextInteger(int size, bool bigEndian)
+int64 MeshFileChecker::nextInteger(const Type& type, bool bigEndian)
 {
-    need(size);
+    need(type.size);
     int64 value = 0;
-    for (int i = 0; i < size; ++i)
-        value |= (int64)(uchar)data_[pos_ + i] << 8 * (bigEndian ? size - 1 - i : i);
-    pos_ += size;
-    return value;
+    for (int i = 0; i < type.size; ++i)
+        value |= (int64)(uchar)data_[pos_ + i] << 8 * (bigEndian ? type.size - 1 - i : i);
+    pos_ += type.size;
+    const int64 signBit = (int64)1 << (8 * type.size - 1);
+    return type.isSigned && (value & signBit) ? value - 2 * signBit : value;
+}
+
+void MeshFileChecker::checkPLYFace(const int64* indices, int64 count) const
+{
+    if (count < 3)
+        fail(format("expected at least three vertices in each face, found %lld", (long long)count));
+    for (int64 k = 0; k < count; ++k)
+        if (indices[k] < 0 || indices[k] >= vertices_)
+            fail(format("a face names vertex %lld of %lld", (long long)indices[k], (long long)vertices_));
+}
+
+// vtkPLYReader takes a line for an element, whatever is in it.
+void MeshFileChecker::checkTextElement(const Element& element, bool faces)
+{
+    const size_t begin = pos_;
+    String line;
+    nextPLYLine(line, format("%lld elements `%s`", (long long)element.count, element.name.c_str()).c_str());
+    const size_t next = pos_, end = begin + line.size();
+    pos_ = begin;
+    std::vector<int64> indices;
+    for (size_t p = 0; p < element.properties.size(); ++p)
+    {
+        const Property& property = element.properties[p];
+        const double count = property.count.size ? nextNumber() : 1;
+        if (count < 0 || count != std::floor(count))
+            fail(format("expected a list in element `%s`, its count is %g", element.name.c_str(), count));
+        indices.clear();
+        for (double k = 0; k < count; ++k)
+            indices.push_back(saturate_cast<int>(nextNumber()));
+        if (faces && property.name == "vertex_indices")
+            checkPLYFace(indices.data(), (int64)indices.size());
+    }
+    if (pos_ > end || data_.find_first_not_of(" \t", pos_) < end)
+        fail(format("expected each element `%s` on a line of its own, found `%s`", element.name.c_str(), line.substr(0, 40).c_str()));
+    pos_ = next;
+}
+
+void MeshFileChecker::checkBinaryElement(const Element& element, bool faces, bool bigEndian)
+{
+    std::vector<int64> indices;
+    for (size_t p = 0; p < element.properties.size(); ++p)
+    {
+        const Property& property = element.properties[p];
+        const int64 count = property.count.size ? nextInteger(property.count, bigEndian) : 1;
+        if (count < 0)
+            fail(format("expected a list in element `%s`, its count is negative", element.name.c_str()));
+        need(count * property.value.size);
+        if (faces && property.name == "vertex_indices")
+        {
+            indices.clear();
+            for (int64 k = 0; k < count; ++k)
+                indices.push_back(nextInteger(property.value, bigEndian));
+            checkPLYFace(indices.data(), count);
+        }
+        else
+            pos_ += (size_t)(count * property.value.size);
+    }
 }
 
 void MeshFileChecker::checkPLY()
@@ -205,27 +287,20 @@ void MeshFileChecker::checkPLY()
     needPLYProperty(elements, "face", "vertex_indices", true);
     for (size_t e = 0; e < elements.size(); ++e)
     {
-        const Element& element = elements[e];
-        if (element.name == "vertex")
-            vertices_ = element.count;
-        if (element.name == "face")
-            faces_ = element.count;
-        for (int64 i = 0; i < element.count; ++i)
-            for (size_t p = 0; p < element.properties.size(); ++p)
-            {
-                const Property& property = element.properties[p];
-                int64 n = 1;
-                if (property.countSize)
-                    n = ascii ? (int64)nextNumber() : nextInteger(property.countSize, bigEndian);
-                if (n < 0)
-                    fail("a list has a negative count");
-                if (!ascii)
-                    need(n * property.size), pos_ += (size_t)(n * property.size);
-                else
-                    for (int64 k = 0; k < n; ++k)
-                        skipNumber();
-            }
+        int64* const known = elements[e].name == "vertex" ? &vertices_ : elements[e].name == "face" ? &faces_ : 0;
+        if (known && *known >= 0)
+            fail("expected element `" + elements[e].name + "` once");
+        if (known)
+            *known = elements[e].count;
     }
+    for (size_t e = 0; e < elements.size(); ++e)
+        for (int64 i = 0; i < elements[e].count; ++i)
+        {
+            if (ascii)
+                checkTextElement(elements[e], elements[e].name == "face");
+            else
+                checkBinaryElement(elements[e], elements[e].name == "face", bigEndian);
+        }
 }
 
 void MeshFileChecker::checkSTL()
@@ -235,7 +310,7 @@ void MeshFileChecker::checkSTL()
     if (data_.size() >= 84)
     {
         pos_ = 80;
-        triangles = nextInteger(4, false);
+        triangles = nextInteger(plyType("uint32"), false);
         expectedSize = 84 + 50 * triangles;
     }
     if (expectedSize && (int64)data_.size() == expectedSize)
@@ -276,10 +351,33 @@ void MeshFileChecker::checkSTL()
     faces_ = facets;
 }
 
+// A corner of a face: v, v/vt, v//vn or v/vt/vn. @return which of these
+String MeshFileChecker::checkOBJCorner(const String& corner, const int64* count, int line) const
+{
+    static const char* const names[] = { "v", "vt", "vn" };
+    String form;
+    const char* c = corner.c_str();
+    for (int k = 0; k < 3; ++k)
+    {
+        char* end = 0;
+        const long long index = std::strtoll(c, &end, 10);
+        const bool omitted = k == 1 && *c == '/', last = !*end;
+        if ((*end && (*end != '/' || k == 2)) || (!omitted && (end == c || index == 0 || index > count[k] || index < -count[k])))
+            break;
+        form += omitted ? "" : names[k];
+        if (last)
+            return form;
+        form += "/";
+        c = (omitted ? c : end) + 1;
+    }
+    fail(format("line %d: `%s` names a vertex, texture or normal that is not there", line, corner.c_str()));
+    return form;
+}
+
 void MeshFileChecker::checkOBJ()
 {
     int64 count[3] = { 0, 0, 0 };   // v, vt, vn
-    String line, word, corner;
+    String line, word, corner, form;
     faces_ = 0;
     for (int number = 1; nextLine(line); ++number)
     {
@@ -298,25 +396,21 @@ void MeshFileChecker::checkOBJ()
         }
         count[1] += word == "vt";
         count[2] += word == "vn";
-        if (word != "f")
+        const int least = word == "f" ? 3 : word == "l" ? 2 : word == "p" ? 1 : 0;
+        if (!least)
             continue;
-        ++faces_;
+        faces_ += word == "f";
         int corners = 0;
         for (; words >> corner; ++corners)
         {
-            const char* c = corner.c_str();
-            for (int k = 0; k < 3 && *c; ++k)
-            {
-                char* end = 0;
-                const long long index = std::strtoll(c, &end, 10);
-                const bool omitted = end == c && k == 1;
-                if ((*end && *end != '/') || (!omitted && (index == 0 || index > count[k] || index < -count[k])))
-                    fail(format("line %d: `%s` does not name a vertex, texture or normal that the file has so far", number, corner.c_str()));
-                c = *end ? end + 1 : end;
-            }
+            const String cornerForm = checkOBJCorner(corner, count, number);
+            if (form.empty())
+                form = cornerForm;
+            if (form != cornerForm)
+                fail(format("line %d: `%s`: expected all corners in the form of the first, %s", number, corner.c_str(), form.c_str()));
         }
-        if (corners < 3)
-            fail(format("line %d: expected a face of at least three vertices", number));
+        if (corners < least)
+            fail(format("line %d: expected at least %d vertices", number, least));
     }
 }
 
@@ -358,7 +452,10 @@ vtkSmartPointer<vtkPolyData> readPolyData(const String& filename)
     if (extension == "ply")
     {
         checker.checkPLY();
-        data = runReader(vtkNew<vtkPLYReader>(), filename, checker);
+        vtkNew<vtkPLYReader> reader;
+        reader->ReadFromInputStringOn();
+        reader->SetInputString(checker.content() + "\n");   // a text that ends without a line feed crashes it
+        data = runReader(reader, filename, checker);
     }
     else if (extension == "stl")
     {

@@ -17,6 +17,7 @@ const float unclippedFactor = 8;   // without distortion, triangles up to this m
 struct Vertex
 {
     float x, y, z;    // camera frame [m]
+    float nx, ny, nz; // normal, camera frame
     float u, v, w;    // relative to the window [pixel]; 1 / z
     float shade;      // 0..255
 };
@@ -180,10 +181,17 @@ inline int SoftwareRenderer::outcode(const Vertex& v) const
     return code;
 }
 
+// 255 * |cos| of the angle between a normal and a viewing ray, of any lengths.
+inline float shadeOf(float nx, float ny, float nz, float x, float y, float z)
+{
+    return 255 * std::abs(nx * x + ny * y + nz * z) / std::sqrt((nx * nx + ny * ny + nz * nz) * (x * x + y * y + z * z) + 1e-30f);
+}
+
 // To the window's pixels.
 inline void SoftwareRenderer::project(Vertex& v) const
 {
     v.w = 1 / v.z;
+    v.shade = shadeOf(v.nx, v.ny, v.nz, v.x, v.y, v.z);
     if (distorted_)
     {
         const Point2d u = camera_.project(Point3d(v.x, v.y, v.z));
@@ -220,10 +228,9 @@ void SoftwareRenderer::draw(const SoftwareMesh& mesh, const Matx44d& camera_T_me
         v.z = T(2, 0) * p.x + T(2, 1) * p.y + T(2, 2) * p.z + T(2, 3);
         const int code = outcode(v);
         codes_[i] = uchar(code);
-        const float nx = T(0, 0) * m.x + T(0, 1) * m.y + T(0, 2) * m.z;
-        const float ny = T(1, 0) * m.x + T(1, 1) * m.y + T(1, 2) * m.z;
-        const float nz = T(2, 0) * m.x + T(2, 1) * m.y + T(2, 2) * m.z;
-        v.shade = 255 * std::abs(nx * v.x + ny * v.y + nz * v.z) / std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z + 1e-20f);
+        v.nx = T(0, 0) * m.x + T(0, 1) * m.y + T(0, 2) * m.z;
+        v.ny = T(1, 0) * m.x + T(1, 1) * m.y + T(1, 2) * m.z;
+        v.nz = T(2, 0) * m.x + T(2, 1) * m.y + T(2, 2) * m.z;
         if (!(code & (OUT_NEAR | OUT_GUARD))) project(v);
     }
 
@@ -246,7 +253,9 @@ inline Vertex mix(const Vertex& a, const Vertex& b, float s)
     v.x = a.x + s * (b.x - a.x);
     v.y = a.y + s * (b.y - a.y);
     v.z = a.z + s * (b.z - a.z);
-    v.shade = a.shade + s * (b.shade - a.shade);
+    v.nx = a.nx + s * (b.nx - a.nx);
+    v.ny = a.ny + s * (b.ny - a.ny);
+    v.nz = a.nz + s * (b.nz - a.nz);
     return v;
 }
 
@@ -317,11 +326,30 @@ void SoftwareRenderer::subdivide(const Vertex& a, const Vertex& b, const Vertex&
     else subdivide(c, a, b, depth);
 }
 
-// Fills the pixels whose centres lie in the triangle; 1 / z and the shade are linear in the image.
+// Value of a quantity that is linear in the image: at corner a, and its derivatives. In double, because slivers that reach
+// far beyond the window cancel.
+struct Plane
+{
+    double a, du, dv;
+    float at(double u, double v) const { return float(a + du * u + dv * v); }
+};
+
+struct PlaneMaker
+{
+    double abu, abv, acu, acv, ia;
+    Plane operator()(double a, double b, double c) const
+    {
+        const Plane plane = {a, ((b - a) * acv - (c - a) * abv) * ia, ((c - a) * abu - (b - a) * acu) * ia};
+        return plane;
+    }
+};
+
+// Fills the pixels whose centres lie in the triangle. 1 / z and normal / z are linear in the image; in small triangles the
+// shade is close enough to linear, too.
 void SoftwareRenderer::fill(const Vertex& a, const Vertex& b, const Vertex& c)
 {
-    const float abu = b.u - a.u, abv = b.v - a.v, acu = c.u - a.u, acv = c.v - a.v;
-    const float area = abu * acv - abv * acu;   // > 0: clockwise as seen in the image (y down), which is a back face
+    const double abu = double(b.u) - a.u, abv = double(b.v) - a.v, acu = double(c.u) - a.u, acv = double(c.v) - a.v;
+    const double area = abu * acv - abv * acu;   // > 0: clockwise as seen in the image (y down), which is a back face
     if ((cull_ && area > 0) || area == 0) return;
 
     const float vmin = std::min(a.v, std::min(b.v, c.v)), vmax = std::max(a.v, std::max(b.v, c.v));
@@ -329,10 +357,17 @@ void SoftwareRenderer::fill(const Vertex& a, const Vertex& b, const Vertex& c)
     const int y0 = std::max(0, cvCeil(vmin)), y1 = std::min(height_ - 1, cvFloor(vmax));
     if (y0 > y1 || umax < 0 || umin > float(width_ - 1) || cvCeil(umin) > cvFloor(umax)) return;
 
-    const float ia = 1 / area;
-    const float dwu = ((b.w - a.w) * acv - (c.w - a.w) * abv) * ia, dwv = ((c.w - a.w) * abu - (b.w - a.w) * acu) * ia;
-    const float dsu = ((b.shade - a.shade) * acv - (c.shade - a.shade) * abv) * ia;
-    const float dsv = ((c.shade - a.shade) * abu - (b.shade - a.shade) * acu) * ia;
+    const PlaneMaker planeOf = {abu, abv, acu, acv, 1 / area};
+    const Plane wPlane = planeOf(a.w, b.w, c.w);
+    const bool large = !distorted_ && std::max(umax - umin, vmax - vmin) > maxEdge;
+    Plane sPlane = {}, nx = {}, ny = {}, nz = {};
+    if (large)
+    {
+        nx = planeOf(a.nx * a.w, b.nx * b.w, c.nx * c.w);
+        ny = planeOf(a.ny * a.w, b.ny * b.w, c.ny * c.w);
+        nz = planeOf(a.nz * a.w, b.nz * b.w, c.nz * c.w);
+    }
+    else sPlane = planeOf(a.shade, b.shade, c.shade);
 
     // Edges that bound a row from the left and from the right; horizontal ones bound nothing.
     const Vertex* corners[4] = {&a, &b, &c, &a};
@@ -360,10 +395,28 @@ void SoftwareRenderer::fill(const Vertex& a, const Vertex& b, const Vertex& c)
         for (int i = 0; i < rights; i++) ur = std::min(ur, edgeU[rightEdges[i]] + (float(y) - edgeV[rightEdges[i]]) * slope[rightEdges[i]]);
         const int x0 = std::max(0, cvCeil(ul)), x1 = std::min(width_ - 1, cvFloor(ur));
         if (x0 > x1) continue;
-        const float du = float(x0) - a.u, dv = float(y) - a.v;
-        float w = a.w + dwu * du + dwv * dv, s = a.shade + dsu * du + dsv * dv + 0.5f;
+        const double du = x0 - double(a.u), dv = y - double(a.v);
         const size_t row = size_t(y) * width_;
-        for (int x = x0; x <= x1; x++, w += dwu, s += dsu)
+        float w = wPlane.at(du, dv);
+        const float dw = float(wPlane.du);
+        if (large)
+        {
+            float mx = nx.at(du, dv), my = ny.at(du, dv), mz = nz.at(du, dv);
+            const float dmx = float(nx.du), dmy = float(ny.du), dmz = float(nz.du), ifx = float(1 / camera_.fx);
+            const float ry = float((y + window_.y - camera_.cy) / camera_.fy);
+            float rx = float((x0 + window_.x - camera_.cx) / camera_.fx);
+            for (int x = x0; x <= x1; x++, w += dw, mx += dmx, my += dmy, mz += dmz, rx += ifx)
+            {
+                if (w <= w_[row + x]) continue;
+                w_[row + x] = w;
+                ids_[row + x] = id_;
+                shading_[row + x] = uchar(std::min(255.f, shadeOf(mx, my, mz, rx, ry, 1) + 0.5f));
+            }
+            continue;
+        }
+        float s = sPlane.at(du, dv) + 0.5f;
+        const float ds = float(sPlane.du);
+        for (int x = x0; x <= x1; x++, w += dw, s += ds)
         {
             if (w <= w_[row + x]) continue;
             w_[row + x] = w;

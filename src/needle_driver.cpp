@@ -17,7 +17,7 @@ namespace {
 const double SHAFT_RADIUS = 4.2, SHAFT_LENGTH = 450;
 const double PITCH_TO_YAW = 9.1, YAW_TO_TIP = 9.65, YAW_TO_END_EFFECTOR = 10.2;
 const double CLEVIS_LENGTH = 9, CLEVIS_INNER = 2.9, CLEVIS_RADIUS = 2.7;    // the fork that holds the pitch pin
-const double WRIST_HALF_THICKNESS = 3, WRIST_FRONT = 6.3;                   // the body between both axes
+const double WRIST_HALF_THICKNESS = 3, WRIST_HALF_WIDTH = 3.7, WRIST_FRONT = 6.3;   // the body between both axes
 const double FORK_INNER = 1.9, FORK_OUTER = 2.8, FORK_RADIUS = 2.9;         // its two arms that hold the yaw pin
 const double RELIEF = 0.25;                                                 // height and slope width of raised shapes
 const double PITCH_PIN_END = 4.5, YAW_PIN_END = 3.15;
@@ -148,10 +148,11 @@ Mesh drawShaft()
             link.add({ circle(0.25, end - 1, cable, 8), circle(0.25, 0, cable, 8) }, ALONG_Z);
         }
     }
-    // The pin: a cone-shaped collar and a domed head.
-    const double face = SHAFT_RADIUS - 0.15, e = PITCH_PIN_END;
-    link.add({ circle(1.75, -face), circle(1.75, face) }, ALONG_Y);
-    link.add({ circle(0.3, -e), circle(0.8, -e + 0.12), circle(1.1, -e + 0.35), circle(1.1, e - 0.35), circle(0.8, e - 0.12), circle(0.3, e) }, ALONG_Y);
+    // The pin: a sloping collar and a domed head.
+    const double face = SHAFT_RADIUS, e = PITCH_PIN_END;
+    link.add({ circle(1.6, -face - 0.1), circle(1.9, -face + 0.2), circle(1.9, face - 0.2), circle(1.6, face + 0.1) }, ALONG_Y);
+    link.add({ circle(0.3, -e), circle(0.8, -e + 0.12), circle(1.1, -e + 0.45), circle(1.1, e - 0.45), circle(0.8, e - 0.12),
+               circle(0.3, e) }, ALONG_Y);
     return link.mesh();
 }
 
@@ -180,8 +181,9 @@ Mesh drawWrist()
     LinkMesh link;
     const double thick = WRIST_HALF_THICKNESS;
     link.add(cylinder(thick, -1.9, 1.9, 0.2), ALONG_Z);
-    link.add({ roundedRectangle(thick, 1.9, 0.3, 0), roundedRectangle(thick, 1.9, 0.3, 2.7), roundedRectangle(thick, 3.7, 0.6, 3.4),
-               roundedRectangle(thick, 3.7, 0.6, WRIST_FRONT - 0.3), roundedRectangle(thick - 0.3, 3.4, 0.6, WRIST_FRONT) }, ALONG_X);
+    link.add({ roundedRectangle(thick, 1.9, 0.3, 0), roundedRectangle(thick, 1.9, 0.3, 2.7),
+               roundedRectangle(thick, WRIST_HALF_WIDTH, 0.6, 3.4), roundedRectangle(thick, WRIST_HALF_WIDTH, 0.6, WRIST_FRONT - 0.3),
+               roundedRectangle(thick - 0.3, WRIST_HALF_WIDTH - 0.3, 0.6, WRIST_FRONT) }, ALONG_X);
 
     for (int side = -1; side <= 1; side += 2)
     {
@@ -202,6 +204,9 @@ Mesh drawWrist()
     link.add({ circle(0.3, -e, yaw), circle(0.9, -e + 0.12, yaw), circle(1.25, -e + 0.4, yaw), circle(1.25, e - 0.4, yaw),
                circle(0.9, e - 0.12, yaw), circle(0.3, e, yaw) }, ALONG_Y);
 
+    const Point2d boss(4.8, 0);   // on the sides that face the pitch axis
+    link.add({ circle(0.6, -WRIST_HALF_WIDTH - RELIEF, boss), circle(0.9, -WRIST_HALF_WIDTH + 0.1, boss),
+               circle(0.9, WRIST_HALF_WIDTH - 0.1, boss), circle(0.6, WRIST_HALF_WIDTH + RELIEF, boss) }, ALONG_Z);
     raiseDisc(link, LOGO_DISC, 0.85, RELIEF);
     raiseDisc(link, LOGO_DISC, 0.3, 2 * RELIEF);
     raiseDisc(link, LOGO_WHEEL, 0.7, RELIEF);
@@ -245,7 +250,8 @@ Mesh drawJaw(int side)
         if (i == 0)
             continue;
         insert.push_back({ Point3d(lip, side * inner[i], y), Point3d(lip, side * split, y), Point3d(half - 0.1, side * (split + 0.25), y),
-                           Point3d(0.1 - half, side * (split + 0.25), y), Point3d(-lip, side * split, y), Point3d(-lip, side * inner[i], y) });
+                           Point3d(0.1 - half, side * (split + 0.25), y), Point3d(-lip, side * split, y),
+                           Point3d(-lip, side * inner[i], y) });
     }
     link.add(blade, ALONG_Y);
     link.add(insert, ALONG_Y);

@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "qgo.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -70,6 +71,7 @@ private:
     std::vector<MeshInstance> instances_;
     Rendering rendering_;
     Mat picture_, orientations_;
+    std::vector<uchar> workspace_;
     mutable std::vector<TemplateFeature> found_;
 };
 
@@ -222,7 +224,8 @@ void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vect
     renderer_->render(camera, window, instances_, rendering_);
     rendering_.shading.copyTo(picture_);
     picture_.setTo(background, rendering_.ids == 0);
-    quantizeOrientations(picture_, orientations_, params_.magnitudeThreshold);
+    orientations_.create(picture_.size(), CV_8UC1);
+    quantize(picture_, Rect(Point(), picture_.size()), squaredMagnitude(params_.magnitudeThreshold), orientations_, workspace_);
 
     for (size_t i = 0; i < parts.size(); i++)
     {

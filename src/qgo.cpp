@@ -4,6 +4,8 @@
 
 #include "precomp.hpp"
 #include "qgo.hpp"
+#include "qgo.simd.hpp"
+#include "qgo.simd_declarations.hpp"   // defines CV_CPU_DISPATCH_MODES_ALL
 
 // Integer arithmetic throughout, so that every implementation gives the same bits.
 //   blurred   7x7 binomial-like kernel, 10 bits (4 x grey level)
@@ -73,11 +75,11 @@ void quantize(const Mat& image, const Rect& window, int squaredThreshold, Mat& o
                 const Mat_<ushort>& b = blurred[c];
                 const int dx = (b(y, x + 2) + 2 * b(y + 1, x + 2) + b(y + 2, x + 2)) - (b(y, x) + 2 * b(y + 1, x) + b(y + 2, x));
                 const int dy = (b(y + 2, x) + 2 * b(y + 2, x + 1) + b(y + 2, x + 2)) - (b(y, x) + 2 * b(y, x + 1) + b(y, x + 2));
-                const int squared = dx * dx + dy * dy;
-                if (squared > best) best = squared, gx = dx, gy = dy;
+                const int size = std::abs(dx) + std::abs(dy);
+                if (size > best) best = size, gx = dx, gy = dy;
             }
             bins(y, x) = uchar(orientationBin(gx, gy));
-            strong(y, x) = best >= squaredThreshold;
+            strong(y, x) = gx * gx + gy * gy >= squaredThreshold;
         }
 
     for (int y = 0; y < window.height; y++)
@@ -127,6 +129,26 @@ int squaredMagnitude(double magnitudeThreshold)
     return cvCeil(16 * magnitudeThreshold * magnitudeThreshold);   // the blurred image holds 4 x grey level
 }
 
+void quantize(const Mat& image, const Rect& window, int squaredThreshold, Mat& orientations, std::vector<uchar>& workspace)
+{
+    CV_CPU_DISPATCH(quantizeKernel, (image, window, squaredThreshold, orientations, workspace), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+void spread(const Mat& src, Mat& dst, int size, std::vector<uchar>& workspace)
+{
+    CV_CPU_DISPATCH(spreadKernel, (src, dst, size, workspace), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+void responses(const uchar* bits, size_t bitsStep, Size size, uchar* planes, size_t planeStep, size_t planeSize)
+{
+    CV_CPU_DISPATCH(responseKernel, (bits, bitsStep, size, planes, planeStep, planeSize), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+void similarities(const uchar* planes, size_t step, const int* offsets, int features, Size window, ushort* sums)
+{
+    CV_CPU_DISPATCH(similarityKernel, (planes, step, offsets, features, window, sums), CV_CPU_DISPATCH_MODES_ALL);
+}
+
 void quantizeOrientations(InputArray _image, const Rect& window, OutputArray _orientations, double magnitudeThreshold)
 {
     const Mat image = _image.getMat();
@@ -136,7 +158,8 @@ void quantizeOrientations(InputArray _image, const Rect& window, OutputArray _or
                                               window.x, window.y, image.cols, image.rows));
     _orientations.create(window.size(), CV_8UC1);
     Mat orientations = _orientations.getMat();
-    plain::quantize(image, window, squaredMagnitude(magnitudeThreshold), orientations);
+    std::vector<uchar> workspace;
+    quantize(image, window, squaredMagnitude(magnitudeThreshold), orientations, workspace);
 }
 
 void quantizeOrientations(InputArray image, OutputArray orientations, double magnitudeThreshold)
@@ -150,7 +173,8 @@ void spreadOrientations(InputArray _orientations, OutputArray _spread, int size)
     CV_CheckTypeEQ(orientations.type(), CV_8UC1, "orientations are bit sets of 8 bits");
     CV_Check(size, size > 0 && size % 2 == 1, "size must be odd and positive");
     Mat result(orientations.size(), CV_8UC1);   // not in place
-    plain::spread(orientations, result, size);
+    std::vector<uchar> workspace;
+    spread(orientations, result, size, workspace);
     result.copyTo(_spread);
 }
 

@@ -36,54 +36,68 @@ private:
 
     Params params_;
     Size imageSize_;
-    Rect roi_;                   // what the responses cover
+    Rect roi_;                     // what the responses cover
     Mat orientations_, spread_;
-    Mat responses_[8];           // a map an orientation: 4, 1 or 0
-    Mat partial_;                // CV_8UC1: sum over at most 63 features, which can't exceed 255
-    Mat similarity_;             // CV_16UC1
+    std::vector<uchar> workspace_;
+    // Eight maps of the responses 4, 1, 0; around the region a margin of zeros, which features beyond it fall on.
+    Rect padded_;
+    size_t step_, planeSize_;
+    std::vector<uchar> planes_;
+    std::vector<int> offsets_;
+    std::vector<ushort> similarity_;
 };
+
+// The widest reach of a template beyond the region that needs no clipping, and what a row of a kernel may overrun.
+const int margin = 96, overrun = 64;
 
 void QGOMatcherImpl::setImage(InputArray _image, const Rect& roi)
 {
     const Mat image = _image.getMat();
+    if (image.empty() || (image.type() != CV_8UC1 && image.type() != CV_8UC3))
+        CV_Error(Error::StsUnsupportedFormat, format("image must be CV_8UC1 or CV_8UC3 and not empty, is %s of %d x %d",
+                                                     typeToString(image.type()).c_str(), image.cols, image.rows));
     const Rect all(Point(), image.size());
-    imageSize_ = Size();
-    roi_ = roi.empty() ? all : roi & all;
-    quantizeOrientations(image, roi_.empty() ? all : roi_, orientations_, params_.magnitudeThreshold);
     imageSize_ = image.size();
+    roi_ = roi.empty() ? all : roi & all;
+    padded_ = Rect(roi_.x - margin, roi_.y - margin, roi_.width + 2 * margin, roi_.height + 2 * margin);
+    step_ = padded_.width;
+    planeSize_ = step_ * padded_.height + overrun;
+    planes_.assign(8 * planeSize_, 0);
     if (roi_.empty()) return;
-    spreadOrientations(orientations_, spread_, params_.spread);
-    for (int bin = 0; bin < 8; bin++) orientationResponse(spread_, bin, responses_[bin]);
+    orientations_.create(roi_.size(), CV_8UC1);
+    spread_.create(roi_.size(), CV_8UC1);
+    quantize(image, roi_, squaredMagnitude(params_.magnitudeThreshold), orientations_, workspace_);
+    spread(orientations_, spread_, params_.spread, workspace_);
+    responses(spread_.ptr(), spread_.step, roi_.size(), &planes_[margin * step_ + margin], step_, planeSize_);
 }
 
 // Sums the responses of all features for every place of the keypoint in the window.
 void QGOMatcherImpl::similarity(const PartTemplate& t, const Rect& window)
 {
-    if (partial_.total() < (size_t)window.area()) partial_.create(1, window.area(), CV_8UC1);
-    if (similarity_.total() < (size_t)window.area()) similarity_.create(1, window.area(), CV_16UC1);
-    uchar* partial = partial_.ptr();
-    ushort* sum = similarity_.ptr<ushort>();
-    const int n = window.area();
-    std::fill(sum, sum + n, ushort(0));
-
-    const int block = 63;   // 63 * 4 = 252 <= 255
-    for (size_t first = 0; first < t.features.size(); first += block)
+    similarity_.resize(window.area());
+    const Rect reach(window.x + t.bounds.x, window.y + t.bounds.y, window.width + t.bounds.width - 1, window.height + t.bounds.height - 1);
+    const Rect covered = reach & padded_;
+    offsets_.clear();
+    if (covered == reach)
     {
-        const size_t last = std::min(first + block, t.features.size());
-        std::fill(partial, partial + n, uchar(0));
-        for (size_t i = first; i < last; i++)
+        for (size_t i = 0; i < t.features.size(); i++)
+            offsets_.push_back(int(t.features[i].bin * planeSize_ + t.features[i].y * (ptrdiff_t)step_) + t.features[i].x);
+        similarities(&planes_[0] + (window.y - padded_.y) * (ptrdiff_t)step_ + (window.x - padded_.x), step_, &offsets_[0], int(offsets_.size()),
+                     window.size(), &similarity_[0]);
+        return;
+    }
+    // A window far larger than the prepared region: feature by feature, where it is covered.
+    std::fill(similarity_.begin(), similarity_.end(), ushort(0));
+    for (size_t i = 0; i < t.features.size(); i++)
+    {
+        const TemplateFeature& f = t.features[i];
+        const Rect seen = (window + Point(f.x, f.y)) & roi_;
+        for (int y = seen.y; y < seen.y + seen.height; y++)
         {
-            const TemplateFeature& f = t.features[i];
-            const Rect seen = (window + Point(f.x, f.y)) & roi_;
-            const Mat& response = responses_[f.bin];
-            for (int y = seen.y; y < seen.y + seen.height; y++)
-            {
-                const uchar* src = response.ptr(y - roi_.y) + seen.x - roi_.x;
-                uchar* dst = partial + (y - f.y - window.y) * window.width + seen.x - f.x - window.x;
-                for (int x = 0; x < seen.width; x++) dst[x] = uchar(dst[x] + src[x]);
-            }
+            const uchar* src = &planes_[0] + f.bin * planeSize_ + (y - padded_.y) * step_ + (seen.x - padded_.x);
+            ushort* dst = &similarity_[0] + (y - f.y - window.y) * window.width + seen.x - f.x - window.x;
+            for (int x = 0; x < seen.width; x++) dst[x] = ushort(dst[x] + src[x]);
         }
-        for (int i = 0; i < n; i++) sum[i] = ushort(sum[i] + partial[i]);
     }
 }
 
@@ -92,13 +106,13 @@ void QGOMatcherImpl::similarityMap(const PartTemplate& t, const Rect& window, Ou
     CV_Assert(!imageSize_.empty() && "setImage() comes first");
     CV_Assert(!window.empty());
     similarity(t, window);
-    Mat(window.size(), CV_16UC1, similarity_.ptr()).copyTo(result);
+    Mat(window.size(), CV_16UC1, &similarity_[0]).copyTo(result);
 }
 
 // The best places, each suppressing its neighbourhood.
 void QGOMatcherImpl::selectCandidates(const PartTemplate& t, int templateIndex, const Rect& window, std::vector<PartMatch>& matches)
 {
-    Mat_<ushort> map(window.height, window.width, similarity_.ptr<ushort>());
+    Mat_<ushort> map(window.height, window.width, &similarity_[0]);
     const double full = 4. * double(t.features.size());
     double weakest = params_.minSimilarity * full;
     const int r = params_.suppressionRadius;

@@ -44,12 +44,23 @@ float power(float x, int exponent)   // exponent: a power of two
     return x;
 }
 
+float dot(const Vec3f& a, const Vec3f& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec3f unit(const Vec3f& v) { return v * (1 / std::sqrt(dot(v, v))); }    // cv::normalize() works in double
+
 struct Shader
 {
     const Rendering& doubled;
-    const CameraModel& camera;
     const std::vector<ToolMaterial>& materials;
-    Vec3f sideLight, lens;    // the first light's place, beside the lens [m]
+    Vec3f sideLight, lens;     // lens: the first light's place, beside the lens [m]
+    float fx, fy, cx, cy;      // of the doubled camera
+    int pitch;
+
+    Shader(const Rendering& rendering, const CameraModel& camera, const std::vector<ToolMaterial>& toolMaterials, const Vec3f& side)
+        : doubled(rendering), materials(toolMaterials), sideLight(side), lens(0.004f, -0.005f, 0), fx((float)camera.fx),
+          fy((float)camera.fy), cx((float)camera.cx), cy((float)camera.cy), pitch((int)rendering.ids.step1())
+    {
+        CV_CheckEQ(rendering.ids.step1(), rendering.depth.step1(), "the maps must have equal rows");
+    }
 
     // Change of depth to the next pixel in steps of `step` floats; across outlines it takes the side that goes on.
     static float slope(const float* z, const uchar* id, int step, bool hasBefore, bool hasAfter)
@@ -63,33 +74,31 @@ struct Shader
         return useBefore ? before : useAfter ? after : 0.f;
     }
 
-    Vec3f operator()(int x, int y) const
+    Vec3f operator()(const float* zs, const uchar* ids, int x, int y) const
     {
-        const float* zs = doubled.depth.ptr<float>(y) + x;
-        const uchar* ids = doubled.ids.ptr<uchar>(y) + x;
         const float z = *zs;
         const float zu = slope(zs, ids, 1, x > 0, x + 1 < doubled.ids.cols);
-        const float zv = slope(zs, ids, (int)doubled.ids.step1(), y > 0, y + 1 < doubled.ids.rows);
+        const float zv = slope(zs, ids, pitch, y > 0, y + 1 < doubled.ids.rows);
         // Lens distortion turns the normals by a degree at most: left out.
-        const float rx = (float)((x - camera.cx) / camera.fx), ry = (float)((y - camera.cy) / camera.fy);
-        const Vec3f du(z / (float)camera.fx + rx * zu, ry * zu, zu), dv(rx * zv, z / (float)camera.fy + ry * zv, zv);
-        Vec3f n = normalize(dv.cross(du));   // towards the camera
+        const float rx = ((float)x - cx) / fx, ry = ((float)y - cy) / fy;
+        const Vec3f du(z / fx + rx * zu, ry * zu, zu), dv(rx * zv, z / fy + ry * zv, zv);
+        const Vec3f n = unit(dv.cross(du));   // towards the camera
 
-        const Vec3f P(rx * z, ry * z, z);
-        const Vec3f toEye = normalize(-P), toLens = lens - P;
-        const float distance2 = toLens.dot(toLens);
+        const Vec3f P(rx * z, ry * z, z), toEye = unit(-P), toLens = lens - P;
+        const float distance2 = dot(toLens, toLens), falloff = 0.0092f / distance2;   // 1 at 96 mm
         const Vec3f lensLight = toLens * (1 / std::sqrt(distance2));
-        const float falloff = 0.0092f / distance2;   // 1 at 96 mm
-        const float cosLens = std::max(n.dot(lensLight), 0.f), cosSide = std::max(n.dot(sideLight), 0.f);
+        const float cosLens = std::max(dot(n, lensLight), 0.f), cosSide = std::max(dot(n, sideLight), 0.f);
         const ToolMaterial& m = materials[*ids - 1];
-        const float highlight = falloff * power(std::max(n.dot(normalize(lensLight + toEye)), 0.f), m.shininess) +
-                                0.6f * power(std::max(n.dot(normalize(sideLight + toEye)), 0.f), m.shininess);
-        // Tissue reflects in surfaces that face away from the lights.
-        const Vec3f tissue(0.16f, 0.14f, 0.30f);
+        const float highlight = m.specular * (falloff * power(std::max(dot(n, unit(lensLight + toEye)), 0.f), m.shininess) +
+                                              0.6f * power(std::max(dot(n, unit(sideLight + toEye)), 0.f), m.shininess));
         const float scattered = 0.72f * falloff * cosLens + 0.42f * cosSide;
-        Vec3f light(scattered, scattered, scattered);
-        light += tissue * (0.35f + 0.65f * (1 - cosLens));
-        return 255.f * (m.colour.mul(light) + Vec3f::all(m.specular * highlight));
+        // Tissue reflects in surfaces that face away from the lens.
+        const float reflected = 0.35f + 0.65f * (1 - cosLens);
+        const float tissue[] = { 0.16f, 0.14f, 0.30f };
+        Vec3f c;
+        for (int i = 0; i < 3; i++)
+            c[i] = std::min(255 * (m.colour[i] * (scattered + tissue[i] * reflected) + highlight), 255.f);
+        return c;
     }
 };
 
@@ -150,36 +159,35 @@ void composeImage(const Rendering& doubled, const CameraModel& doubledCamera, co
                   const Vec3f& sideLight, const Mat& background, const Mat& vignette, Mat& image)
 {
     CV_Assert(doubled.ids.size() == Size(2 * background.cols, 2 * background.rows) && vignette.size() == background.size());
-    CV_Assert(doubled.ids.step1() == doubled.depth.step1());
-    const Shader shade = { doubled, doubledCamera, materials, sideLight, Vec3f(0.004f, -0.005f, 0) };
+    const Shader shade(doubled, doubledCamera, materials, sideLight);
     const Mat shadow = makeShadow(doubled.ids, sideLight, background.size());
     image.create(background.size(), CV_8UC3);
     parallel_for_(Range(0, image.rows), [&](const Range& range)
     {
         for (int y = range.start; y < range.end; y++)
+        {
+            const Vec3b* b = background.ptr<Vec3b>(y);
+            const float *v = vignette.ptr<float>(y), *s = shadow.ptr<float>(y);
+            const uchar* ids[] = { doubled.ids.ptr<uchar>(2 * y), doubled.ids.ptr<uchar>(2 * y + 1) };
+            const float* zs[] = { doubled.depth.ptr<float>(2 * y), doubled.depth.ptr<float>(2 * y + 1) };
+            Vec3b* out = image.ptr<Vec3b>(y);
             for (int x = 0; x < image.cols; x++)
             {
                 Vec3f sum(0, 0, 0);
                 int covered = 0;
                 for (int i = 0; i < 4; i++)
                 {
-                    const int u = 2 * x + (i & 1), v = 2 * y + (i >> 1);
-                    if (!doubled.ids.at<uchar>(v, u))
+                    const int u = 2 * x + (i & 1), row = i >> 1;
+                    if (!ids[row][u])
                         continue;
-                    const Vec3f c = shade(u, v);
-                    sum += Vec3f(std::min(c[0], 255.f), std::min(c[1], 255.f), std::min(c[2], 255.f));
+                    sum += shade(zs[row] + u, ids[row] + u, u, 2 * y + row);
                     covered++;
                 }
-                if (covered < 4)
-                {
-                    const float light = (4 - covered) * (1 - 0.5f * shadow.at<float>(y, x));
-                    const Vec3b& b = background.at<Vec3b>(y, x);
-                    sum += light * Vec3f(b[0], b[1], b[2]);
-                }
-                const float scale = 0.25f * vignette.at<float>(y, x);
-                image.at<Vec3b>(y, x) = Vec3b(saturate_cast<uchar>(scale * sum[0]), saturate_cast<uchar>(scale * sum[1]),
-                                              saturate_cast<uchar>(scale * sum[2]));
+                const float light = (float)(4 - covered) * (1 - 0.5f * s[x]), scale = 0.25f * v[x];
+                for (int c = 0; c < 3; c++)
+                    out[x][c] = saturate_cast<uchar>(scale * (sum[c] + light * b[x][c]));
             }
+        }
     });
 }
 

@@ -223,8 +223,8 @@ TEST(SurgTrack_Mesh, everyFormatGivesTheSameCube)
 {
     const struct { std::string content; const char* extension; } files[] = {
         { asciiPLYCube(), ".ply" }, { binaryPLYCube(false), ".ply" }, { binaryPLYCube(true), ".PLY" }, { stlCube(false), ".stl" },
-        { stlCube(true), ".STL" }, { objCube(), ".obj" }, { objCube(true), ".Obj" } };
-    for (int i = 0; i < 7; ++i)
+        { stlCube(true), ".STL" }, { asciiPLYCube().substr(0, asciiPLYCube().size() - 1), ".ply" }, { objCube(), ".obj" }, { objCube(true), ".Obj" } };
+    for (int i = 0; i < 8; ++i)
     {
         const MeshFile file(files[i].content, files[i].extension);
         expectCube(loadMesh(file.name), format("file %d (%s)", i, files[i].extension));
@@ -275,7 +275,7 @@ TEST(SurgTrack_Mesh, brokenContentIsReportedByReason)
         { replaced(asciiPLYCube(), "2 2 2", "2 two 2"), ".ply", "expected a number" },
         { replaced(asciiPLYCube(), "4 0 2 3 1", "4 0 2 8 1"), ".ply", "vertex 8" },
         { replaced(asciiPLYCube(), "4 0 2 3 1", "4 0 -2 3 1"), ".ply", "vertex -2" },
-        { replaced(asciiPLYCube(), "4 0 2 3 1", "-4 0 2 3 1"), ".ply", "negative" },
+        { replaced(asciiPLYCube(), "4 0 2 3 1", "-4 0 2 3 1"), ".ply", "its count is -4" },
         { replaced(asciiPLYCube(), "ascii", "klingon"), ".ply", "klingon" },
         { replaced(asciiPLYCube(), "float x", "floot x"), ".ply", "floot" },
         { replaced(asciiPLYCube(), "face 6", "face 0"), ".ply", "at least one triangle" },
@@ -283,6 +283,10 @@ TEST(SurgTrack_Mesh, brokenContentIsReportedByReason)
         { replaced(asciiPLYCube(), "vertex_indices", "neighbours"), ".ply", "vertex_indices" },
         { replaced(asciiPLYCube(), "float y", "float q"), ".ply", "`y`" },
         { replaced(asciiPLYCube(), "element face 6\nproperty list uchar int vertex_indices\n", ""), ".ply", "vertex_indices" },
+        { replaced(asciiPLYCube(), "end_header", "\nend_header"), ".ply", "unknown line" },
+        { replaced(asciiPLYCube(), "4 0 2 3 1\n", "4 0 2 3\n1 "), ".ply", "line of its own" },
+        { replaced(asciiPLYCube(), "4 0 2 3 1", "2 0 2"), ".ply", "at least three vertices" },
+        { replaced(asciiPLYCube(), "uchar int", "uchar float"), ".ply", "uchar float" },
         { replaced(binaryPLYCube(false), "vertex 8", "vertex 2000000000"), ".ply", "truncated" },
         { replaced(stlCube(false), "vertex 2 2 2", "vertex 2 nan 2"), ".stl", "finite" },
         { replaced(stlCube(false), "vertex 2 2 2", "vertex 2 2"), ".stl", "number" },
@@ -294,6 +298,9 @@ TEST(SurgTrack_Mesh, brokenContentIsReportedByReason)
         { replaced(objCube(), "f 1/1", "f 9/1"), ".obj", "9/1" },
         { replaced(objCube(), "f 1/1", "f 1/2"), ".obj", "1/2" },
         { replaced(objCube(), "f 1/1", "f x"), ".obj", "x" },
+        { replaced(objCube(), "f 1/1", "f 1/1/1"), ".obj", "1/1/1" },
+        { replaced(objCube(), "f 1/1", "f 1"), ".obj", "in the form of the first" },
+        { replaced(objCube(), "f 1/1", "f 1/"), ".obj", "`1/`" },
         { "# nothing\n", ".obj", "at least one triangle" },
         { "", ".ply", "ply" },
         { asciiPLYCube(), ".vtk", ".ply, .stl or .obj" } };
@@ -325,7 +332,7 @@ TEST(SurgTrack_Mesh, nothingIsPrinted)
 {
     testing::internal::CaptureStderr();
     testing::internal::CaptureStdout();
-    errorOf(replaced(asciiPLYCube(), "vertex_indices", "neighbours"), ".ply");
+    errorOf(replaced(asciiPLYCube(), "end_header", "\nend_header"), ".ply");
     errorOf(replaced(stlCube(false), "outer loop", "outer lip"), ".stl");
     errorOf(replaced(objCube(), "f 1/1", "f x"), ".obj");
     errorOf(binaryPLYCube(true).substr(0, 300), ".ply");
