@@ -1,0 +1,477 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "test_common.hpp"
+
+namespace opencv_test { namespace {
+
+// The tool's shading over textured noise, all of it moved.
+Mat pictureOf(const CameraModel& camera, const PosedTool& tool, const Point& shift, int channels = 3, uint64 seed = 9)
+{
+    Mat depth, ids, shading, picture = textured(camera.imageSize(), channels, seed, 80, 190);
+    MeshRenderer::createSoftware()->renderTool(tool.model, tool.joints, tool.view.camera_T_base, camera, depth, ids, shading);
+    const Rect image(Point(), camera.imageSize()), to = (image + shift) & image, from = to - shift;
+    Mat drawn;
+    merge(std::vector<Mat>(channels, shading(from)), drawn);
+    drawn.copyTo(picture(to), ids(from) != 0);
+    return picture;
+}
+
+std::vector<PartTemplate> templatesOf(const CameraModel& camera, const PosedTool& tool)
+{
+    Ptr<PartTemplateRenderer> renderer = PartTemplateRenderer::create();
+    renderer->addTool(tool.model);
+    return renderer->renderTool(camera, tool.view.camera_T_base, tool.joints);
+}
+
+std::vector<Rect> windowsAround(const std::vector<PartTemplate>& templates, int halfWidth)
+{
+    std::vector<Rect> windows;
+    for (const PartTemplate& t : templates)
+        windows.push_back(Rect(t.anchor.x - halfWidth, t.anchor.y - halfWidth, 2 * halfWidth + 1, 2 * halfWidth + 1));
+    return windows;
+}
+
+// Features all over a box; offsets may repeat.
+PartTemplate randomTemplate(int features, int reach, RNG& rng)
+{
+    PartTemplate t;
+    t.part = rng.uniform(0, 14);
+    for (int i = 0; i < features; i++)
+    {
+        TemplateFeature f;
+        f.x = short(rng.uniform(-reach, reach + 1));
+        f.y = short(rng.uniform(-reach, reach + 1));
+        f.bin = uchar(rng.uniform(0, 8));
+        t.features.push_back(f);
+    }
+    t.bounds = Rect(-reach, -reach, 2 * reach + 1, 2 * reach + 1);
+    t.anchor = Point(rng.uniform(0, 100), rng.uniform(0, 100));
+    t.imagePoint = Point2d(t.anchor) + Point2d(rng.uniform(-0.5, 0.5), rng.uniform(-0.5, 0.5));
+    return t;
+}
+
+// The similarity as documented, from the public stages; what lies outside the region counts as not found.
+Mat referenceSimilarity(const Mat& image, const Rect& region, const PartTemplate& t, const Rect& window, const QGOMatcher::Params& params)
+{
+    Mat orientations, spread, responses[8];
+    quantizeOrientations(image, region, orientations, params.magnitudeThreshold);
+    spreadOrientations(orientations, spread, params.spread);
+    for (int b = 0; b < 8; b++) orientationResponse(spread, b, responses[b]);
+    Mat_<ushort> result(window.size(), ushort(0));
+    for (int y = 0; y < window.height; y++)
+        for (int x = 0; x < window.width; x++)
+            for (const TemplateFeature& f : t.features)
+            {
+                const Point p = Point(x + f.x, y + f.y) + window.tl();
+                if (region.contains(p)) result(y, x) = ushort(result(y, x) + responses[f.bin].at<uchar>(p - region.tl()));
+            }
+    return std::move(result);
+}
+
+// The best place that is left, row by row; then its neighbourhood is gone.
+bool takeBest(Mat_<ushort>& map, int radius, double& best, Point& at)
+{
+    best = 0;
+    for (int y = 0; y < map.rows; y++)
+        for (int x = 0; x < map.cols; x++)
+            if (map(y, x) > best) best = map(y, x), at = Point(x, y);
+    for (int y = std::max(0, at.y - radius); y <= std::min(map.rows - 1, at.y + radius); y++)
+        for (int x = std::max(0, at.x - radius); x <= std::min(map.cols - 1, at.x + radius); x++) map(y, x) = 0;
+    return best > 0;
+}
+
+bool fallingSimilarity(const std::vector<PartMatch>& matches)
+{
+    for (size_t i = 1; i < matches.size(); i++)
+        if (matches[i].similarity > matches[i - 1].similarity) return false;
+    return true;
+}
+
+TEST(SurgTrack_QGOMatcher, findsEveryPartWhereItWasPasted)
+{
+    const CameraModel camera = endoscope();
+    const PosedTool views[] = {PosedTool(0.1, 0.3, 1.1, 0.35), PosedTool(0.09, 2.5, 1.1, -0.3), PosedTool(0.14, -1.9, 2.1, 0.5)};
+    const Point shifts[] = {Point(0, 0), Point(7, -5), Point(-23, 17), Point(31, 29)};
+    Ptr<QGOMatcher> matcher = QGOMatcher::create();
+    double sum = 0;
+    int count = 0;
+    for (const PosedTool& view : views)
+    {
+        const std::vector<PartTemplate> templates = templatesOf(camera, view);
+        ASSERT_GE(templates.size(), 6u);
+        for (const Point& shift : shifts)
+            for (int channels = 1; channels <= 3; channels += 2)
+            {
+                matcher->setImage(pictureOf(camera, view, shift, channels));
+                std::vector<PartMatch> matches;
+                matcher->match(templates, windowsAround(templates, 40), matches);
+                EXPECT_TRUE(fallingSimilarity(matches));
+                std::vector<int> seen(templates.size(), 0);
+                for (const PartMatch& m : matches)
+                {
+                    ASSERT_GE(m.templateIndex, 0);
+                    ASSERT_LT(m.templateIndex, int(templates.size()));
+                    const PartTemplate& t = templates[m.templateIndex];
+                    EXPECT_EQ(t.part, m.part);
+                    EXPECT_EQ(t.tool, m.tool);
+                    EXPECT_EQ(t.imagePoint, m.predictedPoint);
+                    if (seen[m.templateIndex]++) continue;   // the first of a part is its best
+                    const double off = cv::norm(m.imagePoint - t.imagePoint - Point2d(shift));
+                    EXPECT_LT(off, 1.3) << "part " << t.part << ", " << shift;   // spreading flattens peaks to 5 x 5, their centre is known better; the worst of 208 is 1.05
+                    sum += off;
+                    count++;
+                    EXPECT_GT(m.similarity, 0.9) << "part " << t.part << ", " << shift;   // all but the background's edges and the vote's ties agree
+                }
+                for (size_t i = 0; i < templates.size(); i++) EXPECT_GE(seen[i], 1) << "part " << templates[i].part << ", " << shift;
+            }
+    }
+    EXPECT_LT(sum / count, 0.5) << count;   // measured: 0.42; the background pulls at outlines
+}
+
+TEST(SurgTrack_QGOMatcher, anExactCopyIsFoundWithoutBias)
+{
+    // The drawing that the templates were cut from, moved by whole pixels: peaks are flat, and their centre is the place.
+    const CameraModel camera = endoscope();
+    const PosedTool tool;
+    const std::vector<PartTemplate> templates = templatesOf(camera, tool);
+    Mat depth, ids, shading;
+    MeshRenderer::createSoftware()->renderTool(tool.model, tool.joints, tool.view.camera_T_base, camera, depth, ids, shading);
+    shading.setTo(140, ids == 0);
+    const Point shifts[] = {Point(0, 0), Point(-9, 6)};
+    for (const Point& shift : shifts)
+    {
+        Mat image(shading.size(), CV_8UC1, Scalar(140));
+        const Rect all(Point(), image.size()), to = (all + shift) & all;
+        shading(to - shift).copyTo(image(to));
+        Ptr<QGOMatcher> matcher = QGOMatcher::create();
+        matcher->setImage(image);
+        std::vector<PartMatch> matches;
+        matcher->match(templates, windowsAround(templates, 30), matches);
+        std::set<int> seen;
+        for (const PartMatch& m : matches)
+        {
+            if (!seen.insert(m.templateIndex).second) continue;
+            const Point2d off = m.imagePoint - m.predictedPoint - Point2d(shift);
+            EXPECT_NEAR(0, off.x, 0.1) << m.part;   // neighbouring edges make a peak's top uneven by hundredths of a pixel
+            EXPECT_NEAR(0, off.y, 0.1) << m.part;
+        }
+        EXPECT_EQ(templates.size(), seen.size());
+    }
+}
+
+TEST(SurgTrack_QGOMatcher, findsPartsInTheWholeImage)
+{
+    const CameraModel camera = endoscope(true, Size(360, 288));
+    const PosedTool tool;
+    const std::vector<PartTemplate> templates = templatesOf(camera, tool);
+    const Point shift(41, 55);
+    Ptr<QGOMatcher> matcher = QGOMatcher::create();
+    matcher->setImage(pictureOf(camera, tool, shift));
+    std::vector<PartMatch> matches;
+    matcher->match(templates, std::vector<Rect>(), matches);
+    std::set<int> seen;
+    for (const PartMatch& m : matches)
+    {
+        if (!seen.insert(m.templateIndex).second) continue;
+        EXPECT_LT(cv::norm(m.imagePoint - m.predictedPoint - Point2d(shift)), 1.3) << m.part;   // as above
+    }
+    EXPECT_EQ(templates.size(), seen.size());
+}
+
+TEST(SurgTrack_QGOMatcher, theSimilarityMapEqualsTheSumOverFeatures)
+{
+    RNG rng(5);
+    QGOMatcher::Params params;
+    params.magnitudeThreshold = 15;
+    const int counts[] = {1, 2, 62, 63, 64, 126, 127, 250, 1000};
+    const Size sizes[] = {Size(131, 97), Size(64, 64), Size(17, 31), Size(200, 5)};
+    for (const Size& size : sizes)
+        for (int channels = 1; channels <= 3; channels += 2)
+        {
+            const Mat image = textured(size, channels, size.width + channels);
+            Ptr<QGOMatcher> matcher = QGOMatcher::create(params);
+            matcher->setImage(image);
+            for (int count : counts)
+            {
+                const PartTemplate t = randomTemplate(count, 20, rng);
+                // Inside, over the border, and outside of the image.
+                const Rect windows[] = {Rect(3, 2, std::min(50, size.width - 3), std::min(33, size.height - 2)), Rect(-13, -7, 45, 31),
+                                        Rect(size.width - 9, size.height - 3, 33, 17), Rect(-60, -60, 20, 19), Rect(Point(), size), Rect(1, 1, 1, 1)};
+                for (const Rect& window : windows)
+                {
+                    Mat map;
+                    matcher->similarityMap(t, window, map);
+                    ASSERT_EQ(CV_16UC1, map.type());
+                    ASSERT_EQ(window.size(), map.size());
+                    ASSERT_EQ(0, cvtest::norm(map, referenceSimilarity(image, Rect(Point(), size), t, window, params), NORM_INF))
+                        << size << ", " << channels << " channels, " << count << " features, " << window;
+                }
+            }
+        }
+}
+
+TEST(SurgTrack_QGOMatcher, sumsOfManyFeaturesDoNotOverflow)
+{
+    // Every feature responds with the full 4 everywhere: more than a byte holds from 64 features on.
+    Mat_<uchar> image(80, 80);
+    for (int x = 0; x < 80; x++) image.col(x).setTo(3 * x);
+    QGOMatcher::Params params;
+    params.magnitudeThreshold = 20;
+    Ptr<QGOMatcher> matcher = QGOMatcher::create(params);
+    matcher->setImage(image);
+    const int counts[] = {63, 64, 65, 127, 255, 256, 1000, 5000};
+    RNG rng(6);
+    for (int count : counts)
+    {
+        PartTemplate t = randomTemplate(count, 10, rng);
+        for (TemplateFeature& f : t.features) f.bin = 0;
+        Mat map;
+        matcher->similarityMap(t, Rect(20, 20, 37, 33), map);
+        EXPECT_EQ(0, countNonZero(map != 4 * count)) << count;
+        std::vector<PartMatch> matches;
+        matcher->match(std::vector<PartTemplate>(1, t), std::vector<Rect>(1, Rect(20, 20, 37, 33)), matches);
+        ASSERT_FALSE(matches.empty());
+        EXPECT_EQ(1, matches[0].similarity) << count;
+    }
+    std::vector<PartMatch> matches;
+    EXPECT_ERROR(matcher->match(std::vector<PartTemplate>(1, randomTemplate(16384, 10, rng)), std::vector<Rect>(), matches), "features");
+}
+
+TEST(SurgTrack_QGOMatcher, matchesAreTheBestPlacesOfTheMapWithTheirNeighbourhoodsSuppressed)
+{
+    RNG rng(8);
+    const Mat image = textured(Size(190, 140), 1, 21);
+    int full = 0, fewer = 0;
+    for (int round = 0; round < 60; round++)
+    {
+        QGOMatcher::Params params;
+        params.magnitudeThreshold = 15;
+        params.candidates = rng.uniform(1, 9);
+        params.suppressionRadius = rng.uniform(0, 12);
+        params.minSimilarity = rng.uniform(0.2, 0.55);
+        params.relativeSimilarity = rng.uniform(0.6, 1.);
+        Ptr<QGOMatcher> matcher = QGOMatcher::create(params);
+        matcher->setImage(image);
+        const PartTemplate t = randomTemplate(40, 12, rng);
+        const Rect window(rng.uniform(0, 100), rng.uniform(0, 70), rng.uniform(1, 90), rng.uniform(1, 70));
+        Mat_<ushort> map;
+        matcher->similarityMap(t, window, map);
+        std::vector<PartMatch> matches;
+        matcher->match(std::vector<PartTemplate>(1, t), std::vector<Rect>(1, window), matches);
+
+        size_t expected = 0;
+        double weakest = params.minSimilarity * 160, best;
+        Point at;
+        while (int(expected) < params.candidates && takeBest(map, params.suppressionRadius, best, at) && best >= weakest)
+        {
+            if (expected == 0) weakest = std::max(weakest, params.relativeSimilarity * best);
+            ASSERT_LT(expected, matches.size()) << round;
+            const PartMatch& m = matches[expected++];
+            ASSERT_EQ(best / 160, m.similarity) << round;
+            const Point2d place = m.imagePoint - (t.imagePoint - Point2d(t.anchor)), off = place - Point2d(at + window.tl());
+            ASSERT_LE(std::max(std::abs(off.x), std::abs(off.y)), 4 + 1e-9) << round;   // the centre of a peak that spreading made 5 x 5, seen from its first corner
+        }
+        ASSERT_EQ(expected, matches.size()) << round;
+        (int(expected) == params.candidates ? full : fewer)++;
+    }
+    EXPECT_GT(full, 5);     // both ways to end occurred
+    EXPECT_GT(fewer, 5);
+}
+
+TEST(SurgTrack_QGOMatcher, candidatesOfAllPartsAreSortedAndKeepTheirLimits)
+{
+    const CameraModel camera = endoscope();
+    const PosedTool tool;
+    const std::vector<PartTemplate> templates = templatesOf(camera, tool);
+    QGOMatcher::Params params;
+    params.minSimilarity = 0.4;
+    params.relativeSimilarity = 0.6;
+    Ptr<QGOMatcher> matcher = QGOMatcher::create(params);
+    matcher->setImage(pictureOf(camera, tool, Point(11, 3)));
+    std::vector<PartMatch> matches;
+    matcher->match(templates, windowsAround(templates, 60), matches);
+    EXPECT_TRUE(fallingSimilarity(matches));
+    std::vector<std::vector<PartMatch> > ofPart(templates.size());
+    for (const PartMatch& m : matches) ofPart[m.templateIndex].push_back(m);
+    size_t several = 0;
+    for (const std::vector<PartMatch>& part : ofPart)
+    {
+        ASSERT_FALSE(part.empty());
+        EXPECT_LE(part.size(), 5u);
+        several += part.size() > 1;
+        for (const PartMatch& m : part)
+        {
+            EXPECT_GE(m.similarity, 0.4);
+            EXPECT_GE(m.similarity, 0.6 * part[0].similarity);
+            EXPECT_LE(m.similarity, 1);
+        }
+    }
+    EXPECT_GT(several, templates.size() / 2);   // the limits had something to limit
+}
+
+TEST(SurgTrack_QGOMatcher, windowsMayReachOverTheImageOrBeEmpty)
+{
+    const CameraModel camera = endoscope(true, Size(360, 288));
+    const PosedTool tool;
+    const std::vector<PartTemplate> templates = templatesOf(camera, tool);
+    Ptr<QGOMatcher> matcher = QGOMatcher::create();
+    matcher->setImage(pictureOf(camera, tool, Point(2, 3)));
+    std::vector<PartMatch> whole, matches;
+    matcher->match(templates, std::vector<Rect>(), whole);
+    matcher->match(templates, std::vector<Rect>(templates.size(), Rect(-50, -60, 500, 400)), matches);
+    EXPECT_TRUE(sameMatches(whole, matches));
+
+    const Rect nothing[] = {Rect(), Rect(10, 10, 0, 5), Rect(10, 10, 5, 0), Rect(-100, -100, 50, 50), Rect(360, 0, 20, 20), Rect(0, 288, 20, 20), Rect(50, 50, -3, 7)};
+    for (const Rect& window : nothing)
+    {
+        matcher->match(templates, std::vector<Rect>(templates.size(), window), matches);
+        EXPECT_TRUE(matches.empty()) << window;
+    }
+    std::vector<Rect> one(templates.size());
+    one[1] = windowsAround(templates, 20)[1];
+    matcher->match(templates, one, matches);
+    ASSERT_FALSE(matches.empty());
+    for (const PartMatch& m : matches)
+    {
+        EXPECT_EQ(1, m.templateIndex);
+        EXPECT_LE(std::abs(m.imagePoint.x - templates[1].anchor.x), 20.5);   // in its window; the keypoint lies up to half a pixel beside the anchor
+        EXPECT_LE(std::abs(m.imagePoint.y - templates[1].anchor.y), 20.5);
+    }
+    matcher->match(std::vector<PartTemplate>(), std::vector<Rect>(), matches);
+    EXPECT_TRUE(matches.empty());
+    matcher->match(std::vector<PartTemplate>(1), std::vector<Rect>(), matches);   // without features
+    EXPECT_TRUE(matches.empty());
+}
+
+TEST(SurgTrack_QGOMatcher, anyImageSizeWorks)
+{
+    RNG rng(12);
+    const Size sizes[] = {Size(1, 1), Size(1, 40), Size(40, 1), Size(2, 2), Size(5, 3), Size(17, 31), Size(31, 17), Size(641, 479)};
+    QGOMatcher::Params params;
+    params.magnitudeThreshold = 15;
+    params.minSimilarity = 0.01;
+    Ptr<QGOMatcher> matcher = QGOMatcher::create(params);
+    for (const Size& size : sizes)
+        for (int channels = 1; channels <= 3; channels += 2)
+        {
+            const Mat image = textured(size, channels, 3);
+            matcher->setImage(image);
+            const PartTemplate t = randomTemplate(100, 25, rng);   // reaches outside most of these images
+            std::vector<PartMatch> matches;
+            matcher->match(std::vector<PartTemplate>(1, t), std::vector<Rect>(), matches);
+            const Mat_<ushort> expected = referenceSimilarity(image, Rect(Point(), size), t, Rect(Point(), size), params);
+            const double best = *std::max_element(expected.begin(), expected.end()) / 400.;
+            if (best >= 0.01)
+            {
+                ASSERT_FALSE(matches.empty()) << size;
+                EXPECT_EQ(best, matches[0].similarity) << size;
+            }
+            else EXPECT_TRUE(matches.empty()) << size;
+        }
+}
+
+TEST(SurgTrack_QGOMatcher, aPreparedRegionGivesTheSameWhereTemplatesStayInside)
+{
+    RNG rng(14);
+    QGOMatcher::Params params;
+    params.magnitudeThreshold = 15;
+    const Mat image = textured(Size(180, 130), 3, 15);
+    Ptr<QGOMatcher> whole = QGOMatcher::create(params), part = QGOMatcher::create(params);
+    whole->setImage(image);
+    for (int i = 0; i < 40; i++)
+    {
+        const Rect roi = Rect(rng.uniform(-30, 120), rng.uniform(-30, 80), rng.uniform(60, 120), rng.uniform(60, 100));
+        const Rect region = roi & Rect(Point(), image.size());
+        const int reach = 10, border = reach + params.spread / 2;   // spreading looks beyond the region too
+        part->setImage(image, roi);
+        const PartTemplate t = randomTemplate(70, reach, rng);
+        const Rect window(region.x + border, region.y + border, std::max(1, region.width - 2 * border), std::max(1, region.height - 2 * border));
+        Mat expected, result;
+        if (region.width > 2 * border && region.height > 2 * border)
+        {
+            whole->similarityMap(t, window, expected);
+            part->similarityMap(t, window, result);
+            ASSERT_EQ(0, cvtest::norm(expected, result, NORM_INF)) << roi;
+        }
+        // Beyond it features count as not found.
+        const Rect wide(region.x - 20, region.y - 20, region.width + 40, region.height + 40);
+        part->similarityMap(t, wide, result);
+        ASSERT_EQ(0, cvtest::norm(referenceSimilarity(image, region, t, wide, params), result, NORM_INF)) << roi;
+    }
+    // A region outside the image holds nothing.
+    part->setImage(image, Rect(500, 500, 20, 20));
+    Mat result;
+    part->similarityMap(randomTemplate(70, 10, rng), Rect(0, 0, 30, 30), result);
+    EXPECT_EQ(0, countNonZero(result));
+}
+
+TEST(SurgTrack_QGOMatcher, aGreyImageMatchesAsItsThreeEqualChannels)
+{
+    const CameraModel camera = endoscope(true, Size(360, 288));
+    const PosedTool tool;
+    const std::vector<PartTemplate> templates = templatesOf(camera, tool);
+    const Mat grey = pictureOf(camera, tool, Point(4, -2), 1);
+    Mat colour;
+    cvtColor(grey, colour, COLOR_GRAY2BGR);
+    Ptr<QGOMatcher> matcher = QGOMatcher::create();
+    std::vector<PartMatch> fromGrey, fromColour;
+    matcher->setImage(grey);
+    matcher->match(templates, std::vector<Rect>(), fromGrey);
+    matcher->setImage(colour);
+    matcher->match(templates, std::vector<Rect>(), fromColour);
+    ASSERT_FALSE(fromGrey.empty());
+    EXPECT_TRUE(sameMatches(fromGrey, fromColour));
+}
+
+TEST(SurgTrack_QGOMatcher, doesNotKeepTheImageAndForgetsTheLastOne)
+{
+    const CameraModel camera = endoscope(true, Size(360, 288));
+    const PosedTool tool;
+    const std::vector<PartTemplate> templates = templatesOf(camera, tool);
+    Mat image = pictureOf(camera, tool, Point(4, -2));
+    Ptr<QGOMatcher> matcher = QGOMatcher::create();
+    std::vector<PartMatch> first, again;
+    matcher->setImage(image);
+    matcher->match(templates, std::vector<Rect>(), first);
+    image.setTo(Scalar::all(0));
+    matcher->match(templates, std::vector<Rect>(), again);
+    EXPECT_TRUE(sameMatches(first, again));
+    matcher->setImage(image);
+    matcher->match(templates, std::vector<Rect>(), again);
+    EXPECT_TRUE(again.empty());
+    matcher->setImage(textured(Size(33, 700), 1, 2));   // another size
+    matcher->setImage(pictureOf(camera, tool, Point(4, -2)));
+    matcher->match(templates, std::vector<Rect>(), again);
+    EXPECT_TRUE(sameMatches(first, again));
+}
+
+TEST(SurgTrack_QGOMatcher, rejectsBadInputNamingTheArgument)
+{
+    Ptr<QGOMatcher> matcher = QGOMatcher::create();
+    RNG rng(1);
+    const std::vector<PartTemplate> templates(2, randomTemplate(40, 5, rng));
+    std::vector<PartMatch> matches;
+    Mat map;
+    EXPECT_ERROR(matcher->match(templates, std::vector<Rect>(), matches), "setImage");
+    EXPECT_ERROR(matcher->similarityMap(templates[0], Rect(0, 0, 4, 4), map), "setImage");
+    EXPECT_ERROR(matcher->setImage(Mat()), "image");
+    EXPECT_ERROR(matcher->setImage(Mat::zeros(50, 50, CV_16UC1)), "image");
+    EXPECT_ERROR(matcher->match(templates, std::vector<Rect>(), matches), "setImage");   // none that it accepted
+    matcher->setImage(Mat::zeros(50, 50, CV_8UC1));
+    EXPECT_ERROR(matcher->match(templates, std::vector<Rect>(1), matches), "windows");
+    EXPECT_ERROR(matcher->similarityMap(templates[0], Rect(), map), "window");
+
+    QGOMatcher::Params params;
+    params.spread = 4;
+    EXPECT_ERROR(QGOMatcher::create(params), "spread");
+    params = QGOMatcher::Params();
+    params.candidates = 0;
+    EXPECT_ERROR(QGOMatcher::create(params), "candidates");
+    params = QGOMatcher::Params();
+    params.suppressionRadius = -1;
+    EXPECT_ERROR(QGOMatcher::create(params), "suppressionRadius");
+}
+
+}} // namespace
