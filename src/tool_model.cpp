@@ -508,7 +508,7 @@ Matx44d ToolModel::endEffectorPose(InputArray joints) const
 {
     std::vector<Matx44d> base_T_link;
     forwardKinematics(joints, base_T_link);
-    return endEffectorPose(base_T_link);
+    return endEffectorFromLinks(base_T_link);
 }
 
 void ToolModel::keypointPositions(InputArray joints, OutputArray basePoints, OutputArray jacobian) const
