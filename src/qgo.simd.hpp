@@ -327,17 +327,17 @@ void responseKernel(const uchar* bits, size_t bitsStep, Size size, uchar* planes
 }
 
 /* Sums the responses of a template's features for every place of a window: sums(y, x) = sum over i of
-   planes[offsets[i] + y * step + x]. Responses are at most 4, so 63 of them fit into 8 bits: 63 * 4 = 252. */
+   planes[offsets[i] + y * step + x]. Responses are at most 4, so 63 of them fit into 8 bits: 63 * 4 = 252. Reads up to a
+   vector beyond the end of each row. */
 void similarityKernel(const uchar* planes, size_t step, const int* offsets, int features, Size window, ushort* sums)
 {
     for (int y = 0; y < window.height; y++)
     {
         const uchar* row = planes + y * step;
         ushort* out = sums + size_t(y) * window.width;
-        int x = 0;
 #if CV_SIMD
         const int lanes8 = lanes<v_uint8>(), lanes16 = lanes<v_uint16>();
-        for (; x <= window.width - lanes8; x += lanes8)
+        for (int x = 0; x < window.width; x += lanes8)
         {
             v_uint16 lo = vx_setzero_u16(), hi = vx_setzero_u16();
             for (int first = 0; first < features; first += 63)
@@ -356,16 +356,27 @@ void similarityKernel(const uchar* planes, size_t step, const int* offsets, int 
                 lo = add(lo, l);
                 hi = add(hi, h);
             }
-            v_store(out + x, lo);
-            v_store(out + x + lanes16, hi);
+            if (x + lanes8 <= window.width)
+            {
+                v_store(out + x, lo);
+                v_store(out + x + lanes16, hi);
+            }
+            else
+            {
+                ushort end[CV_SIMD_WIDTH];
+                v_store(end, lo);
+                v_store(end + lanes16, hi);
+                std::copy(end, end + window.width - x, out + x);
+            }
         }
-#endif
-        for (; x < window.width; x++)
+#else
+        for (int x = 0; x < window.width; x++)
         {
             int sum = 0;
             for (int i = 0; i < features; i++) sum += row[x + offsets[i]];
             out[x] = ushort(sum);
         }
+#endif
     }
 }
 
