@@ -52,6 +52,8 @@ Mat referenceQuantize(const Mat& image, double magnitudeThreshold)
     Mat_<int> bins(h, w, -1), squares(h, w, 0);
     for (int y = 1; y < h - 1; y++)
         for (int x = 1; x < w - 1; x++)
+        {
+            int strongest = -1;
             for (size_t c = 0; c < blurred.size(); c++)
             {
                 int gx = 0, gy = 0;
@@ -61,10 +63,12 @@ Mat referenceQuantize(const Mat& image, double magnitudeThreshold)
                     gx += weight * (blurred[c](y + i, x + 1) - blurred[c](y + i, x - 1));
                     gy += weight * (blurred[c](y + 1, x + i) - blurred[c](y - 1, x + i));
                 }
-                if (c > 0 && gx * gx + gy * gy <= squares(y, x)) continue;   // the first of equally strong channels
+                if (std::abs(gx) + std::abs(gy) <= strongest) continue;   // the strongest channel by this sum, the first of equal ones
+                strongest = std::abs(gx) + std::abs(gy);
                 squares(y, x) = gx * gx + gy * gy;
                 bins(y, x) = binOf(gx, gy);
             }
+        }
 
     Mat_<uchar> result(image.size(), uchar(0));
     for (int y = 0; y < image.rows; y++)
