@@ -7,6 +7,7 @@
 
 #include "test_precomp.hpp"
 
+#include <fstream>
 #include <limits>
 #include <map>
 #include <set>

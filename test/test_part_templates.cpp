@@ -276,7 +276,7 @@ TEST(SurgTrack_PartTemplates, featuresAreTheOrientationsOfTheDrawing)
     Mat depth, ids, shading, orientations;
     MeshRenderer::createSoftware()->renderTool(tool.model, tool.joints, tool.view.camera_T_base, camera, depth, ids, shading);
     shading.setTo(140, ids == 0);
-    quantizeOrientations(shading, orientations);
+    quantizeOrientations(shading, orientations, PartTemplateRenderer::Params().magnitudeThreshold);
     size_t all = 0, same = 0;
     for (const PartTemplate& t : templatesOf(camera, tool))
         for (const TemplateFeature& f : t.features)

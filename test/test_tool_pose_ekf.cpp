@@ -408,7 +408,7 @@ TEST(SurgTrack_EKF, resetStartsAnew)
     Ptr<ToolPoseEKF> filter = ToolPoseEKF::create(camera), fresh = ToolPoseEKF::create(camera);
     filter->predict();
     filter->correct(points, seen(camera, stateOf(0.01, 0, 0, 0, 0, 0.002), points));
-    filter->reset();
+    filter->reset(Matx44d::eye());
     EXPECT_EQ(0, cvtest::norm(fresh->state(), filter->state(), NORM_INF));
     EXPECT_EQ(0, cvtest::norm(fresh->covariance(), filter->covariance(), NORM_INF));
     EXPECT_EQ(0, filter->nis());

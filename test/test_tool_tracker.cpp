@@ -1,0 +1,482 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "test_common.hpp"
+#include "opencv2/videoio.hpp"
+
+#include <cstdlib>
+
+namespace opencv_test { namespace {
+
+typedef std::vector<ToolEstimate> Estimates;
+typedef std::vector<std::vector<double> > Joints;
+
+// A synthetic scene, its frames drawn once.
+struct Recording
+{
+    Recording(const SyntheticScene::Params& _params, int frames) : params(_params), scene(SyntheticScene::create(needleDriver(), _params)), images(frames)
+    {
+        for (int i = 0; i < frames; i++) scene->render(i, images[i]);
+    }
+
+    int frames() const { return int(images.size()); }
+    double time(int frame) const { return frame / params.fps; }
+
+    Joints joints(int frame) const
+    {
+        Joints result;
+        for (int i = 0; i < scene->toolCount(); i++) result.push_back(scene->recordedJoints(i, time(frame)));
+        return result;
+    }
+
+    Ptr<ToolTracker> tracker(int method = METHOD_PAPER) const
+    {
+        ToolTracker::Params p;
+        p.method = method;
+        return tracker(p);
+    }
+
+    Ptr<ToolTracker> tracker(const ToolTracker::Params& p) const
+    {
+        Ptr<ToolTracker> result = ToolTracker::create(scene->camera(), p);
+        for (int i = 0; i < scene->toolCount(); i++) EXPECT_EQ(i, result->addTool(scene->model(), scene->nominal_T_base(i)));
+        return result;
+    }
+
+    Estimates update(ToolTracker& tracker, int frame) const
+    {
+        Estimates result;
+        tracker.update(images[frame], time(frame), joints(frame), result);
+        return result;
+    }
+
+    SyntheticScene::Params params;
+    Ptr<SyntheticScene> scene;
+    std::vector<Mat> images;
+};
+
+SyntheticScene::Params scene(int seed = 1, int tools = 1, Size size = Size(720, 576), bool distortion = false)
+{
+    SyntheticScene::Params p;
+    p.seed = seed;
+    p.tools = tools;
+    p.imageSize = size;
+    p.distortion = distortion;
+    return p;
+}
+
+// One tool, three quarters of a second; used by several tests.
+const Recording& common()
+{
+    static const Recording recording(scene(), 25);
+    return recording;
+}
+
+struct Score
+{
+    Score() : translation(0), rotation(0), kinematics(0), frames(0), covered(0), silent(0) {}
+    double translation, rotation;   // means of the frames that claim to know [m], [rad]
+    double kinematics;              // mean error without tracking [m]
+    int frames, covered, silent;    // silent: `tracking`, and more than 5 mm off
+};
+
+Score scoreOf(const Recording& r, ToolTracker& tracker)
+{
+    Score s;
+    for (int frame = 0; frame < r.frames(); frame++)
+    {
+        const Estimates estimates = r.update(tracker, frame);
+        const Joints joints = r.joints(frame);
+        EXPECT_EQ(joints.size(), estimates.size());
+        for (int i = 0; i < int(estimates.size()); i++)
+        {
+            const ToolEstimate& e = estimates[i];
+            const Matx44d truth = r.scene->truePose(i, r.time(frame));
+            s.frames++;
+            s.kinematics += distance(r.scene->nominal_T_base(i) * r.scene->model()->endEffectorPose(joints[i]), truth);
+            if (e.state != STATE_TRACKING && e.state != STATE_COASTING) continue;
+            s.covered++;
+            s.translation += distance(e.camera_T_tool, truth);
+            s.rotation += rotationAngle(e.camera_T_tool, truth);
+            s.silent += e.state == STATE_TRACKING && distance(e.camera_T_tool, truth) > 0.005;
+        }
+    }
+    s.kinematics /= s.frames;
+    s.translation /= std::max(1, s.covered);
+    s.rotation /= std::max(1, s.covered);
+    if (cvtest::debugLevel > 0 || std::getenv("SURGTRACK_TEST_PRINT"))
+        std::cout << "translation " << s.translation * 1e3 << " mm, rotation " << s.rotation << " rad, covered " << s.covered << " of " << s.frames << ", silent "
+                  << s.silent << ", kinematics " << s.kinematics * 1e3 << " mm" << std::endl;
+    return s;
+}
+
+bool same(const Estimates& a, const Estimates& b)
+{
+    if (a.size() != b.size()) return false;
+    for (size_t i = 0; i < a.size(); i++)
+        if (a[i].state != b[i].state || cv::norm(a[i].camera_T_tool - b[i].camera_T_tool, NORM_INF) != 0
+            || cv::norm(a[i].camera_T_nominal - b[i].camera_T_nominal, NORM_INF) != 0 || cv::norm(a[i].covariance - b[i].covariance, NORM_INF) != 0
+            || a[i].visibleParts != b[i].visibleParts || a[i].inliers != b[i].inliers || a[i].similarity != b[i].similarity || a[i].nis != b[i].nis
+            || !sameMatches(a[i].matches, b[i].matches))
+            return false;
+    return true;
+}
+
+TEST(SurgTrack_Tracker, findsAndFollowsOneTool)
+{
+    Ptr<ToolTracker> tracker = common().tracker();
+    const Score s = scoreOf(common(), *tracker);
+    EXPECT_EQ(s.frames - 1, s.covered);   // the second frame confirms the first
+    EXPECT_EQ(0, s.silent);
+    EXPECT_LT(s.translation, 0.003);      // measured: 1.5 mm; 7 mm without tracking
+    EXPECT_LT(s.rotation, 0.15);          // measured: 0.08 rad; of which the wrist's readings are 0.03 rad
+    EXPECT_GT(s.kinematics, 0.005);       // there was something to correct
+}
+
+TEST(SurgTrack_Tracker, followsTwoTools)
+{
+    const Recording r(scene(1, 2), 25);
+    Ptr<ToolTracker> tracker = r.tracker();
+    const Score s = scoreOf(r, *tracker);
+    EXPECT_EQ(s.frames - 2, s.covered);
+    EXPECT_EQ(0, s.silent);
+    EXPECT_LT(s.translation, 0.0025);     // measured: 1.2 mm
+    EXPECT_LT(s.rotation, 0.2);           // measured: 0.10 rad
+}
+
+TEST(SurgTrack_Tracker, followsThroughADistortingLens)
+{
+    const Recording r(scene(1, 1, Size(720, 576), true), 25);
+    ASSERT_TRUE(r.scene->camera().hasDistortion());
+    Ptr<ToolTracker> tracker = r.tracker();
+    const Score s = scoreOf(r, *tracker);
+    EXPECT_EQ(s.frames - 1, s.covered);
+    EXPECT_LT(s.translation, 0.0033);     // measured: 1.6 mm
+    EXPECT_LT(s.rotation, 0.16);          // measured: 0.08 rad
+}
+
+TEST(SurgTrack_Tracker, followsInGreyImages)
+{
+    Recording r = common();
+    for (Mat& image : r.images) cvtColor(image.clone(), image, COLOR_BGR2GRAY);
+    Ptr<ToolTracker> tracker = r.tracker();
+    const Score s = scoreOf(r, *tracker);
+    EXPECT_GE(s.covered, s.frames - 4);
+    EXPECT_LT(s.translation, 0.002);      // measured: 0.7 mm
+    EXPECT_LT(s.rotation, 0.19);          // measured: 0.09 rad
+}
+
+TEST(SurgTrack_Tracker, followsInSmallAndLargeImages)
+{
+    const Recording small(scene(1, 1, Size(320, 256)), 25);
+    Score s = scoreOf(small, *small.tracker());
+    EXPECT_EQ(s.frames - 1, s.covered);
+    EXPECT_LT(s.translation, 0.005);      // measured: 2.4 mm; the tool's logo is 10 pixels wide
+    EXPECT_LT(s.rotation, 0.36);          // measured: 0.18 rad
+
+    const Recording large(scene(1, 1, Size(1280, 1024)), 8);
+    s = scoreOf(large, *large.tracker());
+    EXPECT_EQ(s.frames - 1, s.covered);
+    EXPECT_LT(s.translation, 0.004);      // measured: 1.7 mm
+    EXPECT_LT(s.rotation, 0.17);          // measured: 0.08 rad
+}
+
+TEST(SurgTrack_Tracker, theFilterBeatsEPnPOfEachFrame)
+{
+    double paper = 0, epnp = 0;
+    const int seeds[] = {1, 2, 4};
+    for (int seed : seeds)
+    {
+        const Recording* r = &common();
+        Ptr<Recording> own;
+        if (seed != 1) own = makePtr<Recording>(scene(seed), 25), r = own.get();
+        const Score filtered = scoreOf(*r, *r->tracker(METHOD_PAPER)), single = scoreOf(*r, *r->tracker(METHOD_EPNP));
+        EXPECT_GE(single.covered, single.frames / 2);
+        paper += filtered.translation / 3;
+        epnp += single.translation / 3;
+    }
+    EXPECT_LT(paper, 0.8 * epnp);         // measured: 2.0 and 3.6 mm
+}
+
+TEST(SurgTrack_Tracker, theEstimateIsTheCorrectedKinematics)
+{
+    const Recording& r = common();
+    Ptr<ToolTracker> tracker = r.tracker();
+    for (int frame = 0; frame < 6; frame++)
+    {
+        const ToolEstimate e = r.update(*tracker, frame)[0];
+        const Matx44d expected = e.camera_T_nominal * r.scene->nominal_T_base(0) * r.scene->model()->endEffectorPose(r.joints(frame)[0]);
+        EXPECT_LT(cv::norm(expected - e.camera_T_tool, NORM_INF), 1e-12);   // rounding
+        Mat eigenvalues;
+        ASSERT_TRUE(cv::eigen(Mat(e.covariance), eigenvalues));
+        EXPECT_GT(eigenvalues.at<double>(5), 0);
+        EXPECT_EQ(int(e.matches.size()), e.inliers);
+        EXPECT_GE(e.visibleParts, e.inliers);
+        if (e.state != STATE_TRACKING) continue;
+        EXPECT_GE(e.inliers, 4);
+        double similarity = 0;
+        for (const PartMatch& m : e.matches) similarity += m.similarity / e.inliers;
+        EXPECT_NEAR(similarity, e.similarity, 1e-12);                       // rounding
+        EXPECT_GT(e.nis, 0);
+        EXPECT_LT(e.nis, 4);    // about 1 if the filter is consistent; a chi-square with 10 degrees of freedom over 10 is below 3 in 99.9 %
+    }
+}
+
+TEST(SurgTrack_Tracker, theFirstFrameIsNotTakenForATrack)
+{
+    Ptr<ToolTracker> tracker = common().tracker();
+    EXPECT_EQ(STATE_INITIALIZING, common().update(*tracker, 0)[0].state);
+    EXPECT_EQ(STATE_TRACKING, common().update(*tracker, 1)[0].state);
+}
+
+TEST(SurgTrack_Tracker, tissueWithoutAToolIsNeverTracked)
+{
+    const Recording& r = common();
+    Ptr<ToolTracker> tracker = r.tracker();
+    for (int frame = 0; frame < 8; frame++)
+    {
+        Estimates e;
+        tracker->update(textured(Size(720, 576), 3, 50 + frame, 40, 220), r.time(frame), r.joints(frame), e);
+        EXPECT_EQ(STATE_INITIALIZING, e[0].state) << frame;
+        EXPECT_EQ(0, cv::norm(e[0].camera_T_nominal - Matx44d::eye(), NORM_INF)) << frame;   // the pose is that of the kinematics
+    }
+}
+
+TEST(SurgTrack_Tracker, blackFramesAreCoastedThenLostAndTheToolIsFoundAgain)
+{
+    const Recording& r = common();
+    ToolTracker::Params params;
+    params.coastingTime = 0.21;   // five frames
+    Ptr<ToolTracker> tracker = r.tracker(params);
+    Estimates e;
+    for (int frame = 0; frame < 8; frame++) e = r.update(*tracker, frame);
+    ASSERT_EQ(STATE_TRACKING, e[0].state);
+    const Matx44d correction = e[0].camera_T_nominal;
+    const double certain = trace(Mat(e[0].covariance))[0];
+    for (int frame = 8; frame < 18; frame++)
+    {
+        tracker->update(Mat::zeros(576, 720, CV_8UC3), r.time(frame), r.joints(frame), e);
+        EXPECT_EQ(frame <= 12 ? STATE_COASTING : STATE_LOST, e[0].state) << frame;
+        EXPECT_EQ(0, e[0].inliers);
+        EXPECT_EQ(0, e[0].similarity);
+        EXPECT_EQ(0, cv::norm(e[0].camera_T_nominal - correction, NORM_INF));   // the last correction is kept
+        EXPECT_GT(trace(Mat(e[0].covariance))[0], certain);
+    }
+    for (int frame = 18; frame < r.frames(); frame++)
+    {
+        e = r.update(*tracker, frame);
+        if (frame >= 20) EXPECT_EQ(STATE_TRACKING, e[0].state) << frame;
+        if (frame >= 20) EXPECT_LT(distance(e[0].camera_T_tool, r.scene->truePose(0, r.time(frame))), 0.005) << frame;   // as before: 2.4 mm at most
+    }
+}
+
+TEST(SurgTrack_Tracker, shortBlackoutsAreCoasted)
+{
+    const Recording& r = common();
+    Ptr<ToolTracker> tracker = r.tracker();
+    for (int frame = 0; frame < 16; frame++)
+    {
+        Estimates e;
+        const bool black = frame % 5 == 4;
+        tracker->update(black ? Mat::zeros(576, 720, CV_8UC3) : r.images[frame], r.time(frame), r.joints(frame), e);
+        if (frame > 0) EXPECT_EQ(black ? STATE_COASTING : STATE_TRACKING, e[0].state) << frame;
+        if (frame > 0) EXPECT_LT(distance(e[0].camera_T_tool, r.scene->truePose(0, r.time(frame))), 0.005) << frame;   // as without blackouts: 2.4 mm at most
+    }
+}
+
+TEST(SurgTrack_Tracker, theSameInputGivesTheSameEstimates)
+{
+    const Recording r(scene(2, 2, Size(480, 384), true), 8);
+    Ptr<ToolTracker> first = r.tracker(), second = r.tracker();
+    const int threads = cv::getNumThreads();
+    for (int frame = 0; frame < r.frames(); frame++)
+    {
+        const Estimates a = r.update(*first, frame);
+        cv::setNumThreads(1);
+        const Estimates b = r.update(*second, frame);
+        cv::setNumThreads(threads);
+        ASSERT_TRUE(same(a, b)) << frame;
+    }
+}
+
+TEST(SurgTrack_Tracker, badInputIsRejectedAndLeavesTheStateUnchanged)
+{
+    const Recording& r = common();
+    Ptr<ToolTracker> tracker = r.tracker(), undisturbed = r.tracker();
+    for (int frame = 0; frame < 6; frame++)
+    {
+        const Mat& image = r.images[frame];
+        const double time = r.time(frame);
+        const Joints joints = r.joints(frame);
+        Estimates e;
+        Mat deep;
+        image.convertTo(deep, CV_16U);
+        EXPECT_ERROR(tracker->update(deep, time, joints, e), "image");
+        EXPECT_ERROR(tracker->update(Mat(), time, joints, e), "image");
+        EXPECT_ERROR(tracker->update(Mat(576, 720, CV_8UC4), time, joints, e), "image");
+        EXPECT_ERROR(tracker->update(image.rowRange(0, 575), time, joints, e), "575");
+        EXPECT_ERROR(tracker->update(image, NOT_A_NUMBER, joints, e), "time");
+        EXPECT_ERROR(tracker->update(image, std::numeric_limits<double>::infinity(), joints, e), "time");
+        if (frame > 0) EXPECT_ERROR(tracker->update(image, r.time(frame - 1), joints, e), "time");
+        if (frame > 0) EXPECT_ERROR(tracker->update(image, r.time(frame - 1) - 1, joints, e), "time");
+        Joints bad = joints;
+        bad[0][3] = NOT_A_NUMBER;
+        EXPECT_ERROR(tracker->update(image, time, bad, e), "joints[0]");
+        bad = joints;
+        bad[0].pop_back();
+        EXPECT_ERROR(tracker->update(image, time, bad, e), "joints[0]");
+        bad.clear();
+        EXPECT_ERROR(tracker->update(image, time, bad, e), "joints");
+        bad.assign(2, joints[0]);
+        EXPECT_ERROR(tracker->update(image, time, bad, e), "joints");
+        EXPECT_TRUE(e.empty());
+        ASSERT_TRUE(same(r.update(*undisturbed, frame), r.update(*tracker, frame))) << frame;
+    }
+}
+
+TEST(SurgTrack_Tracker, rejectsBadSetUp)
+{
+    const CameraModel camera = endoscope();
+    EXPECT_THROW(ToolTracker::create(CameraModel()), cv::Exception);
+    ToolTracker::Params params;
+    params.method = 99;
+    EXPECT_ERROR(ToolTracker::create(camera, params), "method");
+    params = ToolTracker::Params();
+    params.minInitialInliers = 3;
+    EXPECT_ERROR(ToolTracker::create(camera, params), "minInitialInliers");
+    params = ToolTracker::Params();
+    params.initialWindow = 0;
+    EXPECT_ERROR(ToolTracker::create(camera, params), "initialWindow");
+
+    Ptr<ToolTracker> tracker = ToolTracker::create(camera);
+    Estimates e;
+    EXPECT_ERROR(tracker->update(Mat::zeros(576, 720, CV_8UC3), 0, Joints(), e), "tool");
+    Matx44d notRigid = Matx44d::eye();
+    notRigid(1, 1) = 1.1;
+    EXPECT_ERROR(tracker->addTool(needleDriver(), notRigid), "nominal_T_base");
+    notRigid(1, 1) = NOT_A_NUMBER;
+    EXPECT_ERROR(tracker->addTool(needleDriver(), notRigid), "nominal_T_base");
+    EXPECT_THROW(tracker->addTool(Ptr<ToolModel>(), Matx44d::eye()), cv::Exception);
+    EXPECT_ERROR(tracker->reset(0), "tool");
+    EXPECT_EQ(0, tracker->addTool(needleDriver(), Matx44d::eye()));
+    EXPECT_ERROR(tracker->reset(1), "tool");
+    EXPECT_ERROR(tracker->reset(-2), "tool");
+}
+
+TEST(SurgTrack_Tracker, resetForgetsOneToolOrAll)
+{
+    const Recording r(scene(1, 2, Size(480, 384)), 10);
+    Ptr<ToolTracker> tracker = r.tracker();
+    Estimates e;
+    for (int frame = 0; frame < 5; frame++) e = r.update(*tracker, frame);
+    ASSERT_EQ(STATE_TRACKING, e[0].state);
+    ASSERT_EQ(STATE_TRACKING, e[1].state);
+    tracker->reset(1);
+    e = r.update(*tracker, 5);
+    EXPECT_EQ(STATE_TRACKING, e[0].state);
+    EXPECT_EQ(STATE_INITIALIZING, e[1].state);
+
+    // After a reset of all it is as a new one.
+    tracker->reset();
+    Ptr<ToolTracker> fresh = r.tracker();
+    for (int frame = 6; frame < r.frames(); frame++) EXPECT_TRUE(same(r.update(*fresh, frame), r.update(*tracker, frame))) << frame;
+}
+
+TEST(SurgTrack_Tracker, timesItsStages)
+{
+    const std::vector<String> names = ToolTracker::timingNames();
+    const char* const expected[] = {"render", "image", "match", "verify", "filter", "total"};
+    ASSERT_EQ(6u, names.size());
+    for (int i = 0; i < 6; i++) EXPECT_EQ(expected[i], names[i]);
+    Ptr<ToolTracker> tracker = common().tracker();
+    common().update(*tracker, 0);
+    const std::vector<double> times = tracker->getTimings();
+    ASSERT_EQ(names.size(), times.size());
+    double sum = 0;
+    for (int i = 0; i < 5; i++)
+    {
+        EXPECT_GE(times[i], 0) << names[i];
+        sum += times[i];
+    }
+    EXPECT_GT(sum, 0);
+    EXPECT_LE(sum, times[5] + 1e-6);   // the stages are parts of the total; the clock ticks
+}
+
+TEST(SurgTrack_Tracker, statesHaveTheNamesOfPosesFiles)
+{
+    EXPECT_EQ("initializing", stateName(STATE_INITIALIZING));
+    EXPECT_EQ("tracking", stateName(STATE_TRACKING));
+    EXPECT_EQ("coasting", stateName(STATE_COASTING));
+    EXPECT_EQ("lost", stateName(STATE_LOST));
+    EXPECT_ERROR(stateName(4), "state");
+    EXPECT_ERROR(stateName(-1), "state");
+}
+
+TEST(SurgTrack_Tracker, drawsTheSkeletonIntoAnyView)
+{
+    const CameraModel camera = endoscope();
+    Mat image = Mat::zeros(576, 720, CV_8UC3);
+    const PosedTool tool;
+    drawSkeleton(image, camera, tool.model, tool.joints, tool.view.camera_T_base, Scalar(0, 255, 0));
+    std::vector<Mat> planes;
+    split(image, planes);
+    EXPECT_EQ(0, countNonZero(planes[0]));
+    EXPECT_GT(countNonZero(planes[1]), 300);
+    for (size_t i = 0; i < tool.model->keypoints().size(); i++)
+    {
+        const Point2d u = camera.project(tool.keypoint(i));
+        EXPECT_GT(planes[1].at<uchar>(cvRound(u.y), cvRound(u.x)), 128) << i;
+    }
+    // Behind the camera: nothing, and nothing bad.
+    Mat empty = Mat::zeros(576, 720, CV_8UC3);
+    const PosedTool behind(-0.6, 0, 0);
+    drawSkeleton(empty, camera, behind.model, behind.joints, behind.view.camera_T_base, Scalar::all(255));
+    EXPECT_THROW(drawSkeleton(planes[0], camera, tool.model, tool.joints, tool.view.camera_T_base, Scalar::all(255)), cv::Exception);
+}
+
+TEST(SurgTrack_Tracker, followsTheRecordedPaperRig)
+{
+    const char* const data = std::getenv("SURGTRACK_DATA");
+    const String folder = data ? String(data) + "/sequences/paper_rig" : String();
+    if (!data || !std::ifstream((folder + "/sequence.yaml").c_str()).good())
+        throw SkipTestException("the sequence paper_rig is not there: SURGTRACK_DATA does not name a folder that has it");
+    const Ptr<Sequence> sequence = Sequence::load(folder);
+    VideoCapture video(sequence->leftVideo());
+    if (!video.isOpened()) throw SkipTestException("this OpenCV cannot read the video of paper_rig");
+    const CameraModel camera = sequence->leftCamera();
+    Ptr<ToolTracker> tracker = ToolTracker::create(camera);
+    std::vector<Ptr<ToolModel> > models;
+    for (int i = 0; i < sequence->toolCount(); i++)
+    {
+        models.push_back(ToolModel::load(sequence->tool(i).model));
+        tracker->addTool(models[i], sequence->tool(i).nominal_T_base);
+    }
+    Ptr<PoseScorer> scorer = PoseScorer::create(camera, sequence->toolCount());
+    for (int frame = 0; frame < 60; frame++)
+    {
+        Mat image;
+        ASSERT_TRUE(video.read(image)) << frame;
+        const double time = frame / sequence->fps();
+        Joints joints(models.size());
+        for (int i = 0; i < sequence->toolCount(); i++) ASSERT_TRUE(sequence->jointsAt(i, time, joints[i], models[i]->coordinateNames()));
+        Estimates e;
+        tracker->update(image, time, joints, e);
+        for (int i = 0; i < sequence->toolCount(); i++)
+        {
+            Matx44d truth;
+            std::vector<double> trueJoints;
+            ASSERT_TRUE(sequence->groundTruth(i, frame, truth, trueJoints));
+            scorer->add(i, e[i].state, e[i].camera_T_tool, truth);
+        }
+    }
+    const PoseScore score = scorer->score(-1);
+    if (std::getenv("SURGTRACK_TEST_PRINT")) std::cout << score.translationMean * 1e3 << " mm, " << score.rotationMean << " rad, accuracy " << score.accuracy << std::endl;
+    EXPECT_GE(score.covered, 116);             // of 120; the first frames initialise
+    EXPECT_LT(score.translationMean, 0.0015);  // the bound of the whole sequence; measured:
+    EXPECT_LT(score.rotationMean, 0.06);       // the same
+    EXPECT_GE(score.accuracy, 0.95);           // the same, but for the first frames
+    EXPECT_EQ(0, score.silent);
+}
+
+}} // namespace
