@@ -146,7 +146,10 @@ bool GeometricContextVerifierImpl::verify(const std::vector<PartMatch>& matches,
     int lastPart = -1;
     for (int i = 0; i < n; i++)
     {
-        CV_CheckGE(matches[i].part, 0, "matches: a part index is negative");
+        const PartMatch& m = matches[i];
+        CV_CheckGE(m.part, 0, "matches: a part index is negative");
+        const double sum = m.imagePoint.x + m.imagePoint.y + m.predictedPoint.x + m.predictedPoint.y + m.similarity;
+        if (!(std::abs(sum) < DBL_MAX)) CV_Error(Error::StsBadArg, format("matches[%d] is not finite", i));
         lastPart = std::max(lastPart, matches[i].part);
     }
     taken_.assign(lastPart + 1, 0);

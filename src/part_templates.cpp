@@ -188,7 +188,10 @@ void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vect
 {
     CV_CheckEQ(views.size(), tools_.size(), "views: one per tool");
     CV_Check(tool, tool >= 0 && tool < int(tools_.size()), "no such tool");
-    CV_CheckGT(scale, 0., "scale must be positive");
+    CV_Check(scale, scale > 0 && scale < DBL_MAX, "scale must be positive");
+    CV_Check(rotation, std::abs(rotation) < DBL_MAX, "rotation must be finite");
+    for (size_t i = 0; i < views.size(); i++)
+        if (!isRigid(views[i].camera_T_base)) CV_Error(Error::StsBadArg, format("views[%d].camera_T_base must be a rigid transform", int(i)));
     const Tool& own = tools_[tool];
     const ToolView& view = views[tool];
     const std::vector<ToolModel::Keypoint>& keypoints = own.model->keypoints();

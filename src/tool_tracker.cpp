@@ -46,6 +46,8 @@ private:
     int64 start_;
 };
 
+const int hypotheses = 9;   // of scale and rotation
+
 // Plausible errors of a hand-eye calibration; a first pose beyond them is a false one.
 const double maxCorrectionAngle = 15 * CV_PI / 180;
 const double maxCorrectionShift = 0.03;     // [m], at the tool
@@ -63,6 +65,7 @@ struct TrackedTool
     Ptr<ToolPoseEKF> filter;
     Matx44d correction;              // the last one; kept when nothing is seen
     int state;
+    int hypothesis;                  // of the search for a lost tool
     int confirmed;                   // consecutive measured frames since the (re)start
     double lastSeen;                 // time of the last measurement [s]
     std::vector<Point3d> nominalPoints;   // of the current frame
@@ -85,7 +88,8 @@ private:
     void check(const Mat& image, double time, const std::vector<std::vector<double> >& joints) const;
     void placeTools(const std::vector<std::vector<double> >& joints);
     void locate(int tool, const Mat& image, double halfWindow, bool uncertain, double scale, double rotation);
-    bool initialize(int tool, const Mat& image);
+    bool initialize(int tool, const Mat& image, int first, int last);
+    void startFromHandEye(int tool, const Mat& image);
     bool measure(int tool, const Mat& image);
     bool plausible(const TrackedTool& tool, const Matx44d& correction) const;
     void gather(const TrackedTool& tool, Mat& nominalPoints, Mat& imagePoints) const;
@@ -154,6 +158,7 @@ void ToolTrackerImpl::reset(int tool)
         t.correction = Matx44d::eye();
         t.state = STATE_INITIALIZING;
         t.confirmed = 0;
+        t.hypothesis = 0;
         t.lastSeen = -DBL_MAX;
         t.similarity = t.nis = 0;
         t.visibleParts = 0;
@@ -268,7 +273,8 @@ bool ToolTrackerImpl::plausible(const TrackedTool& tool, const Matx44d& correcti
 }
 
 // Several scales and rotations about the kinematics' pose (paper, Sec. 2.1), the best agreement goes to EPnP (Sec. 2.3).
-bool ToolTrackerImpl::initialize(int index, const Mat& image)
+// first, last: which of the nine hypotheses
+bool ToolTrackerImpl::initialize(int index, const Mat& image, int first, int last)
 {
     static const double scales[] = {1, 0.8, 1.2}, rotations[] = {0, -15 * CV_PI / 180, 15 * CV_PI / 180};
     TrackedTool& tool = tools_[index];
@@ -276,34 +282,60 @@ bool ToolTrackerImpl::initialize(int index, const Mat& image)
     const double halfWindow = params_.initialWindow * std::max(camera_.fx, camera_.fy) / std::max(distance, 0.02);
     tool.inliers.clear();
     double bestScore = 0;
-    for (int s = 0; s < 3; s++)
-        for (int r = 0; r < 3; r++)
+    for (int i = first; i <= last; i++)
+    {
+        locate(index, image, halfWindow, false, scales[i / 3], rotations[i % 3]);
+        double score = 0;
+        for (size_t k = 0; k < inliers_.size(); k++) score += inliers_[k].similarity;
+        if (int(inliers_.size()) < params_.minInitialInliers || score <= bestScore) continue;
+        bestScore = score;
+        tool.inliers = inliers_;
+        tool.visibleParts = int(templates_.size());
+    }
+    Mat nominalPoints, imagePoints;
+    Matx44d correction;
+    {
+        StageTimer timer(timings_[FILTER]);
+        gather(tool, nominalPoints, imagePoints);
+        if (tool.inliers.empty() || !solveEPnP(camera_, nominalPoints, imagePoints, correction, maxReprojectionError * pixelScale_)
+            || !plausible(tool, correction))
         {
-            locate(index, image, halfWindow, false, scales[s], rotations[r]);
-            double score = 0;
-            for (size_t i = 0; i < inliers_.size(); i++) score += inliers_[i].similarity;
-            if (int(inliers_.size()) < params_.minInitialInliers || score <= bestScore) continue;
-            bestScore = score;
+            tool.inliers.clear();
+            return false;
+        }
+    }
+    tool.filter->reset(correction);
+    tool.correction = correction;
+    if (params_.method == METHOD_PAPER) startFromHandEye(index, image);
+    return true;
+}
+
+/* The paper's filter starts from EPnP's pose, whose depth is off by 5 mm and more, and from templates of another scale. Ours takes
+   the same points in from the hand-eye calibration, whose error is of a known size, and looks again with templates that fit. */
+void ToolTrackerImpl::startFromHandEye(int index, const Mat& image)
+{
+    TrackedTool& tool = tools_[index];
+    Mat nominalPoints, imagePoints;
+    for (int pass = 0; pass < 3; pass++)
+    {
+        if (pass > 0)
+        {
+            views_[index].camera_T_base = tool.correction * tool.nominal_T_base;
+            locate(index, image, params_.minWindow * pixelScale_, false, 1, 0);
+            if (int(inliers_.size()) < params_.minInitialInliers) return;
             tool.inliers = inliers_;
             tool.visibleParts = int(templates_.size());
         }
-    if (tool.inliers.empty()) return false;
-
-    StageTimer timer(timings_[FILTER]);
-    Mat nominalPoints, imagePoints;
-    gather(tool, nominalPoints, imagePoints);
-    Matx44d correction;
-    if (solveEPnP(camera_, nominalPoints, imagePoints, correction, maxReprojectionError * pixelScale_) && plausible(tool, correction))
-    {
-        /* EPnP vouches for the points. The filter takes them in from the hand-eye calibration, whose error is of a known size: that
-           knows the depth better than EPnP, which is off by 5 mm and more (paper: starts from EPnP's pose). */
+        StageTimer timer(timings_[FILTER]);
+        gather(tool, nominalPoints, imagePoints);
         tool.filter->reset(Matx44d::eye());
-        if (params_.method == METHOD_EPNP || !tool.filter->correct(nominalPoints, imagePoints)) tool.filter->reset(correction);
+        if (!tool.filter->correct(nominalPoints, imagePoints))
+        {
+            tool.filter->reset(tool.correction);
+            return;
+        }
         tool.correction = tool.filter->correction();
-        return true;
     }
-    tool.inliers.clear();
-    return false;
 }
 
 // One template a part at the last correction, then the filter (paper, Sec. 2.3).
@@ -365,7 +397,13 @@ void ToolTrackerImpl::update(InputArray _image, double time, const std::vector<s
         {
             TrackedTool& tool = tools_[i];
             const bool starting = tool.state == STATE_INITIALIZING && tool.confirmed == 0;
-            const bool seen = starting ? initialize(i, image) : measure(i, image);
+            bool seen = starting ? initialize(i, image, 0, hypotheses - 1) : measure(i, image);
+            // A lost tool is looked for in a wider window, by one hypothesis a frame.
+            if (!seen && tool.state == STATE_LOST)
+            {
+                tool.hypothesis = (tool.hypothesis + 1) % hypotheses;
+                seen = initialize(i, image, tool.hypothesis, tool.hypothesis);
+            }
             if (seen)
             {
                 tool.lastSeen = time;
@@ -374,8 +412,9 @@ void ToolTrackerImpl::update(InputArray _image, double time, const std::vector<s
             }
             else
             {
-                if (tool.state == STATE_INITIALIZING || tool.state == STATE_LOST) tool.confirmed = 0;
-                else tool.state = time - tool.lastSeen <= params_.coastingTime ? STATE_COASTING : STATE_LOST;
+                if (tool.state == STATE_TRACKING) tool.state = STATE_COASTING;
+                if (tool.state == STATE_COASTING && time - tool.lastSeen > params_.coastingTime) tool.state = STATE_LOST;
+                if (tool.state != STATE_COASTING) tool.confirmed = 0;
                 tool.inliers.clear();
                 tool.nis = 0;
             }
