@@ -20,7 +20,7 @@ ToolEstimate::ToolEstimate()
 }
 
 ToolTracker::Params::Params()
-    : method(METHOD_PAPER), initialWindow(0.014), minWindow(30), minInitialInliers(6), confirmFrames(1), coastingTime(2), seed(1)
+    : method(METHOD_PAPER), initialWindow(0.014), minWindow(30), minInitialInliers(6), minInitialSimilarity(0.65), confirmFrames(1), coastingTime(2), seed(1)
 {
 }
 
@@ -287,7 +287,8 @@ bool ToolTrackerImpl::initialize(int index, const Mat& image, int first, int las
         locate(index, image, halfWindow, false, scales[i / 3], rotations[i % 3]);
         double score = 0;
         for (size_t k = 0; k < inliers_.size(); k++) score += inliers_[k].similarity;
-        if (int(inliers_.size()) < params_.minInitialInliers || score <= bestScore) continue;
+        const double n = double(inliers_.size());
+        if (n < params_.minInitialInliers || score < params_.minInitialSimilarity * n || score <= bestScore) continue;
         bestScore = score;
         tool.inliers = inliers_;
         tool.visibleParts = int(templates_.size());
