@@ -192,7 +192,7 @@ TEST(SurgTrack_PartTemplates, featuresLieInTheBoxAndOnTheToolsPixelsOrOneBeside)
         {
             Mat depth, ids, shading, near;
             drawing->renderTool(tool.model, tool.joints, tool.view.camera_T_base, camera, depth, ids, shading);
-            dilate(ids != 0, near, getStructuringElement(MORPH_CROSS, Size(3, 3)));
+            cv::dilate(ids != 0, near, getStructuringElement(MORPH_CROSS, Size(3, 3)));
             const std::vector<PartTemplate> templates = templatesOf(camera, tool);
             ASSERT_FALSE(templates.empty());
             for (const PartTemplate& t : templates)
@@ -270,21 +270,26 @@ TEST(SurgTrack_PartTemplates, featuresAreSpreadOverTheBoxWhenThinned)
 
 TEST(SurgTrack_PartTemplates, featuresAreTheOrientationsOfTheDrawing)
 {
-    // Quantised orientations of the shading over mid grey, as an image of the tool would give them.
+    // Inside the outline, where the background does not matter; linear changes of the grey levels do not turn gradients.
     const CameraModel camera = endoscope();
-    const PosedTool tool;
-    Mat depth, ids, shading, orientations;
-    MeshRenderer::createSoftware()->renderTool(tool.model, tool.joints, tool.view.camera_T_base, camera, depth, ids, shading);
-    shading.setTo(140, ids == 0);
-    quantizeOrientations(shading, orientations, PartTemplateRenderer::Params().magnitudeThreshold);
-    size_t all = 0, same = 0;
-    for (const PartTemplate& t : templatesOf(camera, tool))
-        for (const TemplateFeature& f : t.features)
-        {
-            all++;
-            same += orientations.at<uchar>(t.anchor + Point(f.x, f.y)) == 1 << f.bin;
-        }
-    EXPECT_GT(double(same), 0.99 * double(all));   // all but a few at the border of the window that is drawn
+    for (const PosedTool& tool : severalViews())
+    {
+        Mat depth, ids, shading, orientations, inside;
+        MeshRenderer::createSoftware()->renderTool(tool.model, tool.joints, tool.view.camera_T_base, camera, depth, ids, shading);
+        quantizeOrientations(shading, orientations, 40);
+        cv::erode(ids != 0, inside, Mat(), Point(-1, -1), 6);   // blur, Sobel and vote reach five pixels
+        int all = 0, same = 0;
+        for (const PartTemplate& t : templatesOf(camera, tool))
+            for (const TemplateFeature& f : t.features)
+            {
+                const Point at = t.anchor + Point(f.x, f.y);
+                if (!inside.at<uchar>(at)) continue;
+                all++;
+                same += orientations.at<uchar>(at) == 1 << f.bin;
+            }
+        EXPECT_GT(all, 100);
+        EXPECT_GT(same, 0.95 * all);   // rounded grey levels move some gradients over a bin's bound
+    }
 }
 
 TEST(SurgTrack_PartTemplates, aToolOutOfViewOrBehindTheCameraHasNone)
