@@ -3,7 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-#include <map>
+#include "mesh_visibility.hpp"
 
 // A z-buffer. Vertices go to the camera frame and, through the lens, to the image; triangles are filled row by row.
 // Where the lens bends lines, long edges are halved first, so that a chord leaves its curve by less than 0.1 pixel.
@@ -30,42 +30,8 @@ struct SoftwareMesh
     std::vector<Vec3i> triangles;
     Point3f centre;
     float radius;
-    bool closed;   // every edge has two sides of opposite direction: back faces are always hidden
+    size_t oneSided;   // so many triangles come first whose back is never seen
 };
-
-// Welds vertices by position, then looks whether each directed edge has exactly one opposite.
-bool isClosed(const Mesh& mesh)
-{
-    struct Less
-    {
-        bool operator()(const Point3f& a, const Point3f& b) const
-        {
-            return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
-        }
-    };
-    std::map<Point3f, int, Less> index;
-    std::vector<int> welded(mesh.vertices.size());
-    for (size_t i = 0; i < mesh.vertices.size(); i++)
-        welded[i] = index.insert(std::make_pair(mesh.vertices[i], int(index.size()))).first->second;
-
-    std::vector<std::pair<int, int> > forward, backward;
-    double volume = 0;
-    for (size_t i = 0; i < mesh.triangles.size(); i++)
-    {
-        const Vec3i& t = mesh.triangles[i];
-        for (int j = 0; j < 3; j++)
-        {
-            const int a = welded[t[j]], b = welded[t[(j + 1) % 3]];
-            if (a == b) continue;
-            forward.push_back(std::make_pair(a, b));
-            backward.push_back(std::make_pair(b, a));
-        }
-        volume += mesh.vertices[t[0]].dot(mesh.vertices[t[1]].cross(mesh.vertices[t[2]]));
-    }
-    std::sort(forward.begin(), forward.end());
-    std::sort(backward.begin(), backward.end());
-    return forward == backward && volume > 0;
-}
 
 class SoftwareRenderer CV_FINAL : public MeshRenderer
 {
@@ -82,6 +48,7 @@ private:
     void clip(const Vertex& a, const Vertex& b, const Vertex& c);
     void subdivide(const Vertex& a, const Vertex& b, const Vertex& c, int depth);
     void fill(const Vertex& a, const Vertex& b, const Vertex& c);
+    void fillSmall(const Vertex& a, const Vertex& b, const Vertex& c, int x0, int x1, int y0, int y1);
 
     std::vector<SoftwareMesh> meshes_;
     std::vector<Vertex> vertices_;
@@ -92,6 +59,7 @@ private:
     Rect window_;
     float left_, right_, top_, bottom_;                          // field of view of the window [x / z, y / z]
     float guardLeft_, guardRight_, guardTop_, guardBottom_;      // beyond these, triangles are clipped
+    float fx_, fy_, cx_, cy_, k_[12];                            // the camera's, relative to the window
     int width_, height_;
     bool distorted_, cull_;
     uchar id_;
@@ -121,7 +89,14 @@ int SoftwareRenderer::addMesh(const Mesh& mesh)
         for (int j = 0; j < 3; j++) CV_CheckLT((size_t)m.triangles[i][j], m.vertices.size(), "triangle refers to a vertex that does not exist");
     m.centre = (lo + hi) * 0.5f;
     m.radius = float(norm(hi - lo) * 0.5);
-    m.closed = isClosed(mesh);
+    const std::vector<uchar> twoSided = seenFromBehind(mesh);
+    m.triangles.clear();
+    for (int side = 0; side < 2; side++)
+    {
+        for (size_t i = 0; i < mesh.triangles.size(); i++)
+            if (twoSided[i] == side) m.triangles.push_back(mesh.triangles[i]);
+        if (side == 0) m.oneSided = m.triangles.size();
+    }
     meshes_.push_back(m);
     return int(meshes_.size()) - 1;
 }
@@ -149,6 +124,9 @@ void SoftwareRenderer::render(const CameraModel& camera, const Rect& window, con
     width_ = window.width;
     height_ = window.height;
     distorted_ = camera.hasDistortion();
+    fx_ = float(camera.fx); fy_ = float(camera.fy);
+    cx_ = float(camera.cx - window.x); cy_ = float(camera.cy - window.y);
+    for (int i = 0; i < 12; i++) k_[i] = float(camera.k[i]);
     w_ = rendering.depth.ptr<float>();
     ids_ = rendering.ids.ptr();
     shading_ = rendering.shading.ptr();
@@ -194,14 +172,19 @@ inline void SoftwareRenderer::project(Vertex& v) const
     v.shade = shadeOf(v.nx, v.ny, v.nz, v.x, v.y, v.z);
     if (distorted_)
     {
-        const Point2d u = camera_.project(Point3d(v.x, v.y, v.z));
-        v.u = float(u.x - window_.x);
-        v.v = float(u.y - window_.y);
+        // CameraModel::project() in float: good to a thousandth of a pixel
+        const float* k = k_;
+        const float x = v.x * v.w, y = v.y * v.w, r2 = x * x + y * y;
+        const float g = (1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]))) / (1 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])));
+        const float xd = x * g + 2 * k[2] * x * y + k[3] * (r2 + 2 * x * x) + r2 * (k[8] + r2 * k[9]);
+        const float yd = y * g + k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y + r2 * (k[10] + r2 * k[11]);
+        v.u = fx_ * xd + cx_;
+        v.v = fy_ * yd + cy_;
     }
     else
     {
-        v.u = float(camera_.fx) * v.x * v.w + float(camera_.cx - window_.x);
-        v.v = float(camera_.fy) * v.y * v.w + float(camera_.cy - window_.y);
+        v.u = fx_ * v.x * v.w + cx_;
+        v.v = fy_ * v.y * v.w + cy_;
     }
 }
 
@@ -234,9 +217,9 @@ void SoftwareRenderer::draw(const SoftwareMesh& mesh, const Matx44d& camera_T_me
         if (!(code & (OUT_NEAR | OUT_GUARD))) project(v);
     }
 
-    cull_ = mesh.closed;
     for (size_t i = 0; i < mesh.triangles.size(); i++)
     {
+        cull_ = i < mesh.oneSided;
         const Vec3i& t = mesh.triangles[i];
         const int codeA = codes_[t[0]], codeB = codes_[t[1]], codeC = codes_[t[2]];
         if (codeA & codeB & codeC & ~OUT_GUARD) continue;
@@ -344,18 +327,45 @@ struct PlaneMaker
     }
 };
 
+// Triangles about the size of a pixel, which most are: tests the few pixel centres of the box around one.
+void SoftwareRenderer::fillSmall(const Vertex& a, const Vertex& b, const Vertex& c, int x0, int x1, int y0, int y1)
+{
+    const float abu = b.u - a.u, abv = b.v - a.v, acu = c.u - a.u, acv = c.v - a.v;
+    const float area = abu * acv - abv * acu;
+    if ((cull_ && area > 0) || area == 0) return;
+    const float ia = 1 / area, tolerance = -1e-4f;   // no gap between neighbours from rounding
+    for (int y = y0; y <= y1; y++)
+        for (int x = x0; x <= x1; x++)
+        {
+            const float du = float(x) - a.u, dv = float(y) - a.v;
+            const float wb = (du * acv - dv * acu) * ia, wc = (dv * abu - du * abv) * ia, wa = 1 - wb - wc;
+            if (wa < tolerance || wb < tolerance || wc < tolerance) continue;
+            const float w = wa * a.w + wb * b.w + wc * c.w;
+            const size_t at = size_t(y) * width_ + x;
+            if (w <= w_[at]) continue;
+            w_[at] = w;
+            ids_[at] = id_;
+            shading_[at] = uchar(std::min(255.f, std::max(0.f, wa * a.shade + wb * b.shade + wc * c.shade + 0.5f)));
+        }
+}
+
 // Fills the pixels whose centres lie in the triangle. 1 / z and normal / z are linear in the image; in small triangles the
 // shade is close enough to linear, too.
 void SoftwareRenderer::fill(const Vertex& a, const Vertex& b, const Vertex& c)
 {
-    const double abu = double(b.u) - a.u, abv = double(b.v) - a.v, acu = double(c.u) - a.u, acv = double(c.v) - a.v;
-    const double area = abu * acv - abv * acu;   // > 0: clockwise as seen in the image (y down), which is a back face
-    if ((cull_ && area > 0) || area == 0) return;
-
     const float vmin = std::min(a.v, std::min(b.v, c.v)), vmax = std::max(a.v, std::max(b.v, c.v));
     const float umin = std::min(a.u, std::min(b.u, c.u)), umax = std::max(a.u, std::max(b.u, c.u));
     const int y0 = std::max(0, cvCeil(vmin)), y1 = std::min(height_ - 1, cvFloor(vmax));
-    if (y0 > y1 || umax < 0 || umin > float(width_ - 1) || cvCeil(umin) > cvFloor(umax)) return;
+    const int left = std::max(0, cvCeil(umin)), right = std::min(width_ - 1, cvFloor(umax));
+    if (y0 > y1 || left > right) return;
+    if ((umax - umin) * (vmax - vmin) < 20)
+    {
+        fillSmall(a, b, c, left, right, y0, y1);
+        return;
+    }
+    const double abu = double(b.u) - a.u, abv = double(b.v) - a.v, acu = double(c.u) - a.u, acv = double(c.v) - a.v;
+    const double area = abu * acv - abv * acu;   // > 0: clockwise as seen in the image (y down), which is a back face
+    if ((cull_ && area > 0) || area == 0) return;
 
     const PlaneMaker planeOf = {abu, abv, acu, acv, 1 / area};
     const Plane wPlane = planeOf(a.w, b.w, c.w);
