@@ -1,0 +1,73 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_PERF_COMMON_HPP
+#define OPENCV_SURGTRACK_PERF_COMMON_HPP
+
+#include "perf_precomp.hpp"
+#include "opencv2/imgproc.hpp"
+
+namespace opencv_test { namespace {
+
+using namespace cv::surgtrack;
+
+// An endoscope's image, and a full HD one.
+#define SURGTRACK_SIZES testing::Values(Size(720, 576), Size(1920, 1080))
+
+inline SyntheticScene::Params sceneOf(Size size, int tools = 1, bool distortion = true)
+{
+    SyntheticScene::Params params;
+    params.imageSize = size;
+    params.tools = tools;
+    params.distortion = distortion;
+    return params;
+}
+
+// A view of the built-in tool in a scene, as the tracker gets it.
+struct View
+{
+    explicit View(Size size, int tools = 1) : scene(SyntheticScene::create(Ptr<ToolModel>(), sceneOf(size, tools))), camera(scene->camera()), tools_(tools)
+    {
+        scene->render(0, image);
+        for (int i = 0; i < tools; i++)
+        {
+            ToolView view;
+            view.camera_T_base = scene->camera_T_base(i);
+            scene->model()->forwardKinematics(scene->trueJoints(i, 0), view.base_T_link);
+            views.push_back(view);
+        }
+    }
+
+    // Templates of the first tool.
+    std::vector<PartTemplate> templates() const
+    {
+        Ptr<PartTemplateRenderer> renderer = PartTemplateRenderer::create();
+        for (int i = 0; i < tools_; i++) renderer->addTool(scene->model());
+        std::vector<PartTemplate> result;
+        renderer->render(camera, views, 0, result);
+        return result;
+    }
+
+    // Search windows as wide as while tracking.
+    std::vector<Rect> windows(const std::vector<PartTemplate>& templates) const
+    {
+        const int half = cvRound(30 * camera.imageSize().width / 720.);
+        std::vector<Rect> result;
+        for (size_t i = 0; i < templates.size(); i++)
+            result.push_back(Rect(templates[i].anchor.x - half, templates[i].anchor.y - half, 2 * half + 1, 2 * half + 1));
+        return result;
+    }
+
+    Ptr<SyntheticScene> scene;
+    CameraModel camera;
+    Mat image;
+    std::vector<ToolView> views;
+
+private:
+    int tools_;
+};
+
+}} // namespace
+
+#endif

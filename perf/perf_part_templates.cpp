@@ -1,0 +1,25 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "perf_common.hpp"
+
+namespace opencv_test { namespace {
+
+typedef TestBaseWithParam<tuple<Size, int> > Size_Tools_PartTemplates;
+
+// Drawing included: all tools are drawn, the templates of one are cut.
+PERF_TEST_P(Size_Tools_PartTemplates, render, testing::Combine(SURGTRACK_SIZES, testing::Values(1, 2)))
+{
+    const int tools = get<1>(GetParam());
+    const View view(get<0>(GetParam()), tools);
+    Ptr<PartTemplateRenderer> renderer = PartTemplateRenderer::create();
+    for (int i = 0; i < tools; i++) renderer->addTool(view.scene->model());
+    std::vector<PartTemplate> templates;
+    renderer->render(view.camera, view.views, 0, templates);
+    TEST_CYCLE() renderer->render(view.camera, view.views, 0, templates);
+    ASSERT_FALSE(templates.empty());
+    SANITY_CHECK_NOTHING();
+}
+
+}} // namespace

@@ -1,0 +1,46 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "perf_common.hpp"
+
+namespace opencv_test { namespace {
+
+typedef TestBaseWithParam<Size> Size_QGOMatcher;
+
+// The image stage: orientations, spreading and all responses.
+PERF_TEST_P(Size_QGOMatcher, setImage, SURGTRACK_SIZES)
+{
+    const View view(GetParam());
+    Ptr<QGOMatcher> matcher = QGOMatcher::create();
+    matcher->setImage(view.image);
+    TEST_CYCLE() matcher->setImage(view.image);
+    SANITY_CHECK_NOTHING();
+}
+
+PERF_TEST_P(Size_QGOMatcher, matchInWindows, SURGTRACK_SIZES)
+{
+    const View view(GetParam());
+    const std::vector<PartTemplate> templates = view.templates();
+    const std::vector<Rect> windows = view.windows(templates);
+    Ptr<QGOMatcher> matcher = QGOMatcher::create();
+    matcher->setImage(view.image);
+    std::vector<PartMatch> matches;
+    TEST_CYCLE() matcher->match(templates, windows, matches);
+    ASSERT_FALSE(matches.empty());
+    SANITY_CHECK_NOTHING();
+}
+
+PERF_TEST_P(Size_QGOMatcher, matchInTheWholeImage, SURGTRACK_SIZES)
+{
+    const View view(GetParam());
+    const std::vector<PartTemplate> templates = view.templates();
+    Ptr<QGOMatcher> matcher = QGOMatcher::create();
+    matcher->setImage(view.image);
+    std::vector<PartMatch> matches;
+    TEST_CYCLE() matcher->match(templates, std::vector<Rect>(), matches);
+    ASSERT_FALSE(matches.empty());
+    SANITY_CHECK_NOTHING();
+}
+
+}} // namespace
