@@ -133,6 +133,8 @@ ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params
     GeometricContextVerifier::Params context;
     context.seed = params.seed;
     context.zoneRadius *= pixelScale_;
+    context.centredZones = false;   // both methods are the paper's: fixed cells, the first sample that agrees
+    context.maxScale = context.maxRotation = 0;
     verifier_ = GeometricContextVerifier::create(context);
     std::fill(timings_, timings_ + STAGES, 0.);
 }
