@@ -40,6 +40,7 @@ private:
     Mat orientations_, spread_;
     std::vector<uchar> workspace_;
     // Eight maps of the responses 4, 1, 0; around the region a margin of zeros, which features beyond it fall on.
+    int margin_;
     Rect padded_;
     size_t step_, planeSize_;
     std::vector<uchar> planes_;
@@ -47,8 +48,7 @@ private:
     std::vector<ushort> similarity_;
 };
 
-// The widest reach of a template beyond the region that needs no clipping, and what a row of a kernel may overrun.
-const int margin = 96, overrun = 64;
+const int overrun = 64;   // a row of a kernel may
 
 void QGOMatcherImpl::setImage(InputArray _image, const Rect& roi)
 {
@@ -59,7 +59,8 @@ void QGOMatcherImpl::setImage(InputArray _image, const Rect& roi)
     const Rect all(Point(), image.size());
     imageSize_ = image.size();
     roi_ = roi.empty() ? all : roi & all;
-    padded_ = Rect(roi_.x - margin, roi_.y - margin, roi_.width + 2 * margin, roi_.height + 2 * margin);
+    margin_ = std::max(96, image.cols / 7);   // half a template's box, and some more
+    padded_ = Rect(roi_.x - margin_, roi_.y - margin_, roi_.width + 2 * margin_, roi_.height + 2 * margin_);
     step_ = padded_.width;
     planeSize_ = step_ * padded_.height + overrun;
     planes_.assign(8 * planeSize_, 0);
@@ -68,7 +69,7 @@ void QGOMatcherImpl::setImage(InputArray _image, const Rect& roi)
     spread_.create(roi_.size(), CV_8UC1);
     quantize(image, roi_, squaredMagnitude(params_.magnitudeThreshold), orientations_, workspace_);
     spread(orientations_, spread_, params_.spread, workspace_);
-    responses(spread_.ptr(), spread_.step, roi_.size(), &planes_[margin * step_ + margin], step_, planeSize_);
+    responses(spread_.ptr(), spread_.step, roi_.size(), &planes_[margin_ * step_ + margin_], step_, planeSize_);
 }
 
 // Sums the responses of all features for every place of the keypoint in the window.

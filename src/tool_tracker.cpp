@@ -81,6 +81,22 @@ struct TrackedTool
     std::vector<PartMatch> inliers;
 };
 
+// Widths of gradients, of spreading and of zones are pixels of an image about this wide.
+const int referenceWidth = 720;
+
+// The camera whose pixels are the means of factor x factor pixels.
+CameraModel reduceCamera(const CameraModel& camera, int factor)
+{
+    const double f = 1. / factor;
+    const Matx33d K(camera.fx * f, 0, (camera.cx + 0.5) * f - 0.5, 0, camera.fy * f, (camera.cy + 0.5) * f - 0.5, 0, 0, 1);
+    return CameraModel(K, camera.distCoeffs(), Size(camera.imageSize().width / factor, camera.imageSize().height / factor));
+}
+
+inline Point2d enlarge(const Point2d& p, int factor)
+{
+    return Point2d((p.x + 0.5) * factor - 0.5, (p.y + 0.5) * factor - 0.5);
+}
+
 class ToolTrackerImpl CV_FINAL : public ToolTracker
 {
 public:
@@ -102,7 +118,10 @@ private:
     void gather(const TrackedTool& tool, Mat& nominalPoints, Mat& imagePoints) const;
     void report(const TrackedTool& tool, const ToolView& view, ToolEstimate& estimate) const;
 
+    Size imageSize_;       // of the images given
+    int reduction_;        // by this they are reduced; camera_ and all image points inside are those of the reduced image
     CameraModel camera_;
+    Mat reduced_;
     Params params_;
     double pixelScale_;    // of thresholds given for images 720 pixels wide
     Ptr<PartTemplateRenderer> renderer_;
@@ -122,7 +141,8 @@ private:
 };
 
 ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params)
-    : camera_(camera), params_(params), pixelScale_(camera.imageSize().width / 720.), time_(-DBL_MAX)
+    : imageSize_(camera.imageSize()), reduction_(std::max(1, imageSize_.width / referenceWidth)), camera_(reduceCamera(camera, reduction_)),
+      params_(params), pixelScale_(camera_.imageSize().width / double(referenceWidth)), time_(-DBL_MAX)
 {
     CV_Assert(!camera.imageSize().empty());
     CV_Check(params.method, params.method == METHOD_PAPER || params.method == METHOD_EPNP, "Params::method: no such method");
@@ -181,9 +201,9 @@ void ToolTrackerImpl::check(const Mat& image, double time, const std::vector<std
     if (image.empty() || (image.type() != CV_8UC1 && image.type() != CV_8UC3))
         CV_Error(Error::StsUnsupportedFormat, format("image must be CV_8UC1 or CV_8UC3 and not empty, is %s of %d x %d",
                                                      typeToString(image.type()).c_str(), image.cols, image.rows));
-    if (image.size() != camera_.imageSize())
+    if (image.size() != imageSize_)
         CV_Error(Error::StsUnmatchedSizes, format("image is %d x %d, the camera's is %d x %d", image.cols, image.rows,
-                                                  camera_.imageSize().width, camera_.imageSize().height));
+                                                  imageSize_.width, imageSize_.height));
     if (!(time > time_ && time < DBL_MAX)) CV_Error(Error::StsOutOfRange, format("time %g must be finite and larger than the last, %g", time, time_));
     CV_CheckEQ(joints.size(), tools_.size(), "joints: one vector per tool");
     for (size_t i = 0; i < joints.size(); i++)
@@ -394,15 +414,27 @@ void ToolTrackerImpl::report(const TrackedTool& tool, const ToolView& view, Tool
     e.similarity = tool.similarity;
     e.nis = tool.nis;
     e.matches = tool.inliers;
+    for (size_t i = 0; i < e.matches.size(); i++)
+    {
+        e.matches[i].imagePoint = enlarge(e.matches[i].imagePoint, reduction_);
+        e.matches[i].predictedPoint = enlarge(e.matches[i].predictedPoint, reduction_);
+    }
 }
 
 void ToolTrackerImpl::update(InputArray _image, double time, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates)
 {
-    const Mat image = _image.getMat();
+    Mat image = _image.getMat();
     check(image, time, joints);
     std::fill(timings_, timings_ + STAGES, 0.);
     {
         StageTimer timer(timings_[TOTAL]);
+        if (reduction_ > 1)
+        {
+            StageTimer imageTimer(timings_[IMAGE]);
+            const Size size = camera_.imageSize();
+            resize(image(Rect(0, 0, size.width * reduction_, size.height * reduction_)), reduced_, size, 0, 0, INTER_AREA);
+            image = reduced_;
+        }
         time_ = time;
         placeTools(joints);
         for (int i = 0; i < int(tools_.size()); i++)

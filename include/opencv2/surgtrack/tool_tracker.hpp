@@ -56,6 +56,9 @@ Per frame (paper, Sec. 2): the tools are drawn as the kinematics and the last co
 cut from the drawing (PartTemplateRenderer), found in the image (QGOMatcher), kept where their arrangement agrees
 (GeometricContextVerifier), and fused with the kinematics (ToolPoseEKF).
 
+Images 1440 pixels wide and more are reduced by a whole number first, since gradients and tolerances are made for pixels of an
+image about 720 wide.
+
 Each tool has a state of its own. The result depends on the input alone: same images, times and joints, same estimates. */
 class CV_EXPORTS_W ToolTracker
 {
