@@ -43,7 +43,7 @@ count() {
   [[ "$3" -eq 0 ]] || failures+=("$1")
 }
 
-occurrences() { grep -c -e "$1" "$2" || true; }
+occurrences() { grep -a -c -e "$1" "$2" || true; }
 
 # run_gtest NAME LOG COMMAND...: a test that started and did not end (a crash, a time-out) counts as failed.
 run_gtest() {
@@ -69,11 +69,11 @@ run_unittest() {
   timeout -k 10 900 "$@" 2>&1 | tee "$log" || code=$?
   ran="$(sed -nE 's/^Ran ([0-9]+) tests? in .*/\1/p' "$log" | tail -n 1)"
   ran="${ran:-0}"
-  for number in $(grep -E '^FAILED \(' "$log" | tail -n 1 | grep -oE '(failures|errors|unexpected successes)=[0-9]+' |
+  for number in $(grep -a -E '^FAILED \(' "$log" | tail -n 1 | grep -oE '(failures|errors|unexpected successes)=[0-9]+' |
     grep -oE '[0-9]+' || true); do
     bad=$((bad + number))
   done
-  skips="$(grep -E '^(OK|FAILED) \(' "$log" | tail -n 1 | grep -oE 'skipped=[0-9]+' | grep -oE '[0-9]+' || true)"
+  skips="$(grep -a -E '^(OK|FAILED) \(' "$log" | tail -n 1 | grep -oE 'skipped=[0-9]+' | grep -oE '[0-9]+' || true)"
   skips="${skips:-0}"
   if ((ran == 0 || (bad == 0 && code != 0))); then
     echo "$name: exit code $code after $ran tests" >&2
@@ -199,7 +199,7 @@ step "Summary"
 if [[ $skipped -gt 0 ]]; then echo "skipped: $skipped (see SKIP in the logs in $LOGS)"; fi
 if [[ $failed -gt 0 ]]; then
   printf 'failed in: %s\n' "${failures[@]}"
-  grep -h -E '^\[  FAILED  \] [A-Za-z_]+[./]' "$LOGS"/test.log "$LOGS"/test-x.log "$LOGS"/perf.log 2>/dev/null | sort -u || true
+  sed -nE 's/^\[  FAILED  \] ([A-Za-z_/*]+\.[^, ]*).*/  \1/p' "$LOGS"/test.log "$LOGS"/test-x.log "$LOGS"/perf.log 2>/dev/null | sort -u || true
 fi
 echo
 echo "$passed passed, $failed failed"

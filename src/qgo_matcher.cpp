@@ -115,7 +115,7 @@ void QGOMatcherImpl::selectCandidates(const PartTemplate& t, int templateIndex, 
     Mat_<ushort> map(window.height, window.width, &similarity_[0]);
     const double full = 4. * double(t.features.size());
     double weakest = params_.minSimilarity * full;
-    const int r = params_.suppressionRadius;
+    const int r = params_.suppressionRadius, reach = params_.spread / 2 + 1;
     for (int k = 0; k < params_.candidates; k++)
     {
         double best;
@@ -124,18 +124,23 @@ void QGOMatcherImpl::selectCandidates(const PartTemplate& t, int templateIndex, 
         if (best < weakest || best <= 0) return;
         if (k == 0) weakest = std::max(weakest, params_.relativeSimilarity * best);
 
-        // Spreading flattens peaks: the place is the centre of mass of the peak's top.
-        const Rect around = Rect(at.x - 3, at.y - 3, 7, 7) & Rect(Point(), window.size());
+        // Spreading flattens peaks, and the best place is the first of a plateau: the centre of mass of the top, sought from there.
         const double floor = best - std::max(1., 0.04 * full);
-        double sum = 0;
-        Point2d centre;
-        for (int y = around.y; y < around.y + around.height; y++)
-            for (int x = around.x; x < around.x + around.width; x++)
-            {
-                const double weight = std::max(0., map(y, x) - floor);
-                sum += weight;
-                centre += weight * Point2d(x, y);
-            }
+        Point2d centre(at);
+        for (int pass = 0; pass < 3; pass++)
+        {
+            const Rect around = Rect(cvRound(centre.x) - reach, cvRound(centre.y) - reach, 2 * reach + 1, 2 * reach + 1) & Rect(Point(), window.size());
+            double sum = 0;
+            Point2d moment;
+            for (int y = around.y; y < around.y + around.height; y++)
+                for (int x = around.x; x < around.x + around.width; x++)
+                {
+                    const double weight = std::max(0., map(y, x) - floor);
+                    sum += weight;
+                    moment += weight * Point2d(x, y);
+                }
+            if (sum > 0) centre = moment * (1 / sum);
+        }
 
         PartMatch m;
         m.tool = t.tool;
@@ -144,7 +149,7 @@ void QGOMatcherImpl::selectCandidates(const PartTemplate& t, int templateIndex, 
         m.similarity = best / full;
         m.predictedPoint = t.imagePoint;
         // The template was cut around the anchor, the keypoint lies a fraction beside it.
-        m.imagePoint = Point2d(window.tl()) + centre / sum + (t.imagePoint - Point2d(t.anchor));
+        m.imagePoint = Point2d(window.tl()) + centre + (t.imagePoint - Point2d(t.anchor));
         matches.push_back(m);
 
         map(Rect(at.x - r, at.y - r, 2 * r + 1, 2 * r + 1) & Rect(Point(), window.size())).setTo(0);

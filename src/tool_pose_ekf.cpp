@@ -172,7 +172,12 @@ public:
     ToolPoseEKFImpl(const CameraModel& camera, const Params& params) : camera_(camera), params_(params)
     {
         CV_Assert(!camera.imageSize().empty());
-        CV_CheckGT(params.measurementNoise, 0., "Params::measurementNoise must be positive");
+        CV_Check(params.measurementNoise, params.measurementNoise > 0 && params.measurementNoise < DBL_MAX, "Params::measurementNoise must be positive");
+        CV_Check(params.initialRotation, params.initialRotation >= 0 && params.initialRotation < DBL_MAX, "Params::initialRotation must not be negative");
+        CV_Check(params.initialTranslation, params.initialTranslation >= 0 && params.initialTranslation < DBL_MAX, "Params::initialTranslation must not be negative");
+        CV_Check(params.processRotation, params.processRotation >= 0 && params.processRotation < DBL_MAX, "Params::processRotation must not be negative");
+        CV_Check(params.processTranslation, params.processTranslation >= 0 && params.processTranslation < DBL_MAX, "Params::processTranslation must not be negative");
+        CV_Check(params.gate, params.gate < DBL_MAX, "Params::gate must be a number");
         Q_ << Vector6::Constant(params.processRotation).head<3>(), Vector6::Constant(params.processTranslation).tail<3>();
         Q_ = Q_.cwiseAbs2().eval();
         reset(Matx44d::eye());

@@ -20,7 +20,7 @@ ToolEstimate::ToolEstimate()
 }
 
 ToolTracker::Params::Params()
-    : method(METHOD_PAPER), initialWindow(0.014), minWindow(30), minInitialInliers(6), confirmFrames(1), coastingTime(2), seed(1)
+    : method(METHOD_PAPER), initialWindow(0.014), minWindow(30), minInitialInliers(6), minInitialSimilarity(0.65), confirmFrames(1), coastingTime(2), seed(1)
 {
 }
 
@@ -58,6 +58,13 @@ double rotationAngle(const Matx44d& T)
     return std::acos(std::min(1., std::max(-1., (T(0, 0) + T(1, 1) + T(2, 2) - 1) / 2)));
 }
 
+double meanSimilarity(const std::vector<PartMatch>& matches)
+{
+    double sum = 0;
+    for (size_t i = 0; i < matches.size(); i++) sum += matches[i].similarity;
+    return matches.empty() ? 0 : sum / double(matches.size());
+}
+
 struct TrackedTool
 {
     Ptr<ToolModel> model;
@@ -89,7 +96,7 @@ private:
     void placeTools(const std::vector<std::vector<double> >& joints);
     void locate(int tool, const Mat& image, double halfWindow, bool uncertain, double scale, double rotation);
     bool initialize(int tool, const Mat& image, int first, int last);
-    void startFromHandEye(int tool, const Mat& image);
+    bool startFromHandEye(int tool, const Mat& image);
     bool measure(int tool, const Mat& image);
     bool plausible(const TrackedTool& tool, const Matx44d& correction) const;
     void gather(const TrackedTool& tool, Mat& nominalPoints, Mat& imagePoints) const;
@@ -304,15 +311,20 @@ bool ToolTrackerImpl::initialize(int index, const Mat& image, int first, int las
             return false;
         }
     }
+    const Matx44d before = tool.correction;
     tool.filter->reset(correction);
     tool.correction = correction;
-    if (params_.method == METHOD_PAPER) startFromHandEye(index, image);
-    return true;
+    if (params_.method == METHOD_EPNP || startFromHandEye(index, image)) return true;
+    tool.correction = before;
+    tool.filter->reset(before);
+    tool.inliers.clear();
+    return false;
 }
 
 /* The paper's filter starts from EPnP's pose, whose depth is off by 5 mm and more, and from templates of another scale. Ours takes
-   the same points in from the hand-eye calibration, whose error is of a known size, and looks again with templates that fit. */
-void ToolTrackerImpl::startFromHandEye(int index, const Mat& image)
+   the same points in from the hand-eye calibration, whose error is of a known size, and looks again with templates that fit.
+   Returns whether the tool then looks as it should; tissue does not. */
+bool ToolTrackerImpl::startFromHandEye(int index, const Mat& image)
 {
     TrackedTool& tool = tools_[index];
     Mat nominalPoints, imagePoints;
@@ -322,20 +334,18 @@ void ToolTrackerImpl::startFromHandEye(int index, const Mat& image)
         {
             views_[index].camera_T_base = tool.correction * tool.nominal_T_base;
             locate(index, image, params_.minWindow * pixelScale_, false, 1, 0);
-            if (int(inliers_.size()) < params_.minInitialInliers) return;
+            if (int(inliers_.size()) < params_.minInitialInliers) return false;
             tool.inliers = inliers_;
             tool.visibleParts = int(templates_.size());
         }
         StageTimer timer(timings_[FILTER]);
         gather(tool, nominalPoints, imagePoints);
         tool.filter->reset(Matx44d::eye());
-        if (!tool.filter->correct(nominalPoints, imagePoints))
-        {
-            tool.filter->reset(tool.correction);
-            return;
-        }
-        tool.correction = tool.filter->correction();
+        // Points that such a calibration does not explain: EPnP's pose, as after a move of the camera.
+        if (tool.filter->correct(nominalPoints, imagePoints)) tool.correction = tool.filter->correction();
+        else tool.filter->reset(tool.correction);
     }
+    return meanSimilarity(tool.inliers) >= params_.minInitialSimilarity;
 }
 
 // One template a part at the last correction, then the filter (paper, Sec. 2.3).
@@ -418,8 +428,7 @@ void ToolTrackerImpl::update(InputArray _image, double time, const std::vector<s
                 tool.inliers.clear();
                 tool.nis = 0;
             }
-            tool.similarity = 0;
-            for (size_t k = 0; k < tool.inliers.size(); k++) tool.similarity += tool.inliers[k].similarity / double(tool.inliers.size());
+            tool.similarity = meanSimilarity(tool.inliers);
             // Others are drawn, and hidden, where this tool was found.
             views_[i].camera_T_base = tool.correction * tool.nominal_T_base;
         }

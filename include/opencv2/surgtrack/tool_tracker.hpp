@@ -67,6 +67,7 @@ public:
         CV_PROP_RW double initialWindow;       //!< half-width of the search window before the first pose [m on the tool]
         CV_PROP_RW double minWindow;           //!< smallest half-width of the search window while tracking [pixel at 720 px width]
         CV_PROP_RW int minInitialInliers;      //!< matches needed for a first pose (paper's release: more than 6)
+        CV_PROP_RW double minInitialSimilarity;   //!< their least mean similarity; bare tissue gives up to 0.6, a tool 0.75 and more
         CV_PROP_RW int confirmFrames;          //!< frames that must confirm a first pose before it counts as tracking
         CV_PROP_RW double coastingTime;        //!< without a measurement for longer a tool is lost [s]
         CV_PROP_RW int seed;                   //!< of all random choices
