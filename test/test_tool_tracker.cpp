@@ -105,7 +105,7 @@ Score scoreOf(const Recording& r, ToolTracker& tracker)
     s.kinematics /= s.frames;
     s.translation /= std::max(1, s.covered);
     s.rotation /= std::max(1, s.covered);
-    if (std::getenv("SURGTRACK_TEST_PRINT"))
+    if (std::getenv("SURGTRACK_TEST_PRINT"))   // to measure the bounds anew
         std::cout << "translation " << s.translation * 1e3 << " mm, rotation " << s.rotation << " rad, covered " << s.covered << " of " << s.frames << ", silent "
                   << s.silent << ", kinematics " << s.kinematics * 1e3 << " mm" << std::endl;
     return s;
@@ -196,7 +196,7 @@ TEST(SurgTrack_Tracker, theFilterBeatsEPnPOfEachFrame)
         paper += filtered.translation / 3;
         epnp += single.translation / 3;
     }
-    EXPECT_LT(paper, 0.6 * epnp);         // measured: 0.7 and 2.4 mm
+    EXPECT_LT(paper, 0.7 * epnp);         // measured: 0.9 and 2.1 mm
 }
 
 TEST(SurgTrack_Tracker, theEstimateIsTheCorrectedKinematics)
@@ -246,6 +246,26 @@ TEST(SurgTrack_Tracker, tissueWithoutAToolIsNeverTracked)
             EXPECT_EQ(0, cv::norm(e.camera_T_nominal - Matx44d::eye(), NORM_INF)) << frame;   // the pose is that of the kinematics
         }
     }
+}
+
+TEST(SurgTrack_Tracker, noiseIsNeverTracked)
+{
+    // Edges everywhere in all directions: every template finds half of its features anywhere.
+    const Recording& r = common();
+    for (int smooth = 0; smooth < 2; smooth++)
+        for (int seed = 1; seed <= 2; seed++)
+        {
+            Ptr<ToolTracker> tracker = r.tracker();
+            for (int frame = 0; frame < 8; frame++)
+            {
+                Mat image = textured(Size(720, 576), 3, 1000 * seed + frame, 40, 220);
+                if (smooth) GaussianBlur(image, image, Size(), 2);
+                if (smooth) cv::normalize(image, image, 60, 180, NORM_MINMAX);
+                Estimates e;
+                tracker->update(image, r.time(frame), r.joints(frame), e);
+                EXPECT_EQ(STATE_INITIALIZING, e[0].state) << "smooth " << smooth << ", seed " << seed << ", frame " << frame;
+            }
+        }
 }
 
 TEST(SurgTrack_Tracker, blackFramesAreCoastedThenLostAndTheToolIsFoundAgain)
@@ -483,9 +503,9 @@ TEST(SurgTrack_Tracker, followsTheRecordedPaperRig)
     const PoseScore score = scorer->score(-1);
     if (std::getenv("SURGTRACK_TEST_PRINT")) std::cout << score.translationMean * 1e3 << " mm, " << score.rotationMean << " rad, accuracy " << score.accuracy << std::endl;
     EXPECT_GE(score.covered, 116);             // of 120; the first frames initialise
-    EXPECT_LT(score.translationMean, 0.0018);  // measured: 0.9 mm
+    EXPECT_LT(score.translationMean, 0.0022);  // measured: 1.1 mm
     EXPECT_LT(score.rotationMean, 0.07);       // measured: 0.035 rad
-    EXPECT_GE(score.accuracy, 0.95);           // measured: 0.975
+    EXPECT_GE(score.accuracy, 0.95);           // measured: 0.98
     EXPECT_EQ(0, score.silent);
 }
 
