@@ -76,10 +76,18 @@ void QGOMatcherImpl::setImage(InputArray _image, const Rect& roi)
 void QGOMatcherImpl::similarity(const PartTemplate& t, const Rect& window)
 {
     similarity_.resize(window.area());
-    const Rect reach(window.x + t.bounds.x, window.y + t.bounds.y, window.width + t.bounds.width - 1, window.height + t.bounds.height - 1);
-    const Rect covered = reach & padded_;
+    int left = 0, right = 0, top = 0, bottom = 0;
     offsets_.clear();
-    if (covered == reach)
+    for (size_t i = 0; i < t.features.size(); i++)
+    {
+        const TemplateFeature& f = t.features[i];
+        left = std::min(left, int(f.x));
+        right = std::max(right, int(f.x));
+        top = std::min(top, int(f.y));
+        bottom = std::max(bottom, int(f.y));
+    }
+    const Rect reach(window.x + left, window.y + top, window.width + right - left, window.height + bottom - top);
+    if ((reach & padded_) == reach)
     {
         for (size_t i = 0; i < t.features.size(); i++)
             offsets_.push_back(int(t.features[i].bin * planeSize_ + t.features[i].y * (ptrdiff_t)step_) + t.features[i].x);

@@ -110,7 +110,7 @@ public:
 private:
     void check(const Mat& image, double time, const std::vector<std::vector<double> >& joints) const;
     void placeTools(const std::vector<std::vector<double> >& joints);
-    void locate(int tool, const Mat& image, double halfWindow, bool uncertain, double scale, double rotation);
+    void locate(int tool, const Mat& image, double halfWindow, bool starting, double scale, double rotation);
     bool initialize(int tool, const Mat& image, int first, int last);
     bool startFromHandEye(int tool, const Mat& image);
     bool measure(int tool, const Mat& image);
@@ -126,7 +126,7 @@ private:
     double pixelScale_;    // of thresholds given for images 720 pixels wide
     Ptr<PartTemplateRenderer> renderer_;
     Ptr<QGOMatcher> matcher_;
-    Ptr<GeometricContextVerifier> verifier_;
+    Ptr<GeometricContextVerifier> verifier_, startVerifier_;   // the first pose needs more points to agree
     std::vector<TrackedTool> tools_;
     std::vector<ToolView> views_;
     double time_;
@@ -156,6 +156,8 @@ ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params
     context.centredZones = false;   // both methods are the paper's: fixed cells, the first sample that agrees
     context.maxScale = context.maxRotation = 0;
     verifier_ = GeometricContextVerifier::create(context);
+    context.minInliers = params.minInitialInliers;
+    startVerifier_ = GeometricContextVerifier::create(context);
     std::fill(timings_, timings_ + STAGES, 0.);
 }
 
@@ -232,8 +234,8 @@ void ToolTrackerImpl::placeTools(const std::vector<std::vector<double> >& joints
 }
 
 /* Paper, Sec. 2.1 and 2.2: renders templates, matches them in windows and verifies; the result is in inliers_.
-   halfWindow: of the search windows [pixel]; uncertain: larger where the filter's covariance asks for it */
-void ToolTrackerImpl::locate(int index, const Mat& image, double halfWindow, bool uncertain, double scale, double rotation)
+   halfWindow: of the search windows [pixel]; larger where the filter's covariance asks for it, unless starting */
+void ToolTrackerImpl::locate(int index, const Mat& image, double halfWindow, bool starting, double scale, double rotation)
 {
     TrackedTool& tool = tools_[index];
     {
@@ -250,7 +252,7 @@ void ToolTrackerImpl::locate(int index, const Mat& image, double halfWindow, boo
     {
         const PartTemplate& t = templates_[i];
         double hx = halfWindow, hy = halfWindow;
-        if (uncertain)
+        if (!starting && params_.method != METHOD_EPNP)
         {
             const Matx22d C = tool.filter->imageCovariance(tool.nominalPoints[t.part]);
             hx = std::min(std::max(hx, 3 * std::sqrt(C(0, 0))), 4 * halfWindow);
@@ -271,7 +273,7 @@ void ToolTrackerImpl::locate(int index, const Mat& image, double halfWindow, boo
         matcher_->match(templates_, windows_, matches_);
     }
     StageTimer timer(timings_[VERIFY]);
-    verifier_->verify(matches_, inliers_);
+    (starting ? startVerifier_ : verifier_)->verify(matches_, inliers_);
 }
 
 void ToolTrackerImpl::gather(const TrackedTool& tool, Mat& nominalPoints, Mat& imagePoints) const
@@ -313,10 +315,10 @@ bool ToolTrackerImpl::initialize(int index, const Mat& image, int first, int las
     double bestScore = 0;
     for (int i = first; i <= last; i++)
     {
-        locate(index, image, halfWindow, false, scales[i / 3], rotations[i % 3]);
+        locate(index, image, halfWindow, true, scales[i / 3], rotations[i % 3]);
         double score = 0;
         for (size_t k = 0; k < inliers_.size(); k++) score += inliers_[k].similarity;
-        if (int(inliers_.size()) < params_.minInitialInliers || score <= bestScore) continue;
+        if (score <= bestScore) continue;
         bestScore = score;
         tool.inliers = inliers_;
         tool.visibleParts = int(templates_.size());
@@ -355,8 +357,8 @@ bool ToolTrackerImpl::startFromHandEye(int index, const Mat& image)
         if (pass > 0)
         {
             views_[index].camera_T_base = tool.correction * tool.nominal_T_base;
-            locate(index, image, params_.minWindow * pixelScale_, false, 1, 0);
-            if (int(inliers_.size()) < params_.minInitialInliers) return false;
+            locate(index, image, params_.minWindow * pixelScale_, true, 1, 0);
+            if (inliers_.empty()) return false;
             tool.inliers = inliers_;
             tool.visibleParts = int(templates_.size());
         }
@@ -376,7 +378,7 @@ bool ToolTrackerImpl::measure(int index, const Mat& image)
     TrackedTool& tool = tools_[index];
     const bool filtered = params_.method == METHOD_PAPER;
     if (filtered) tool.filter->predict();
-    locate(index, image, params_.minWindow * pixelScale_, filtered, 1, 0);
+    locate(index, image, params_.minWindow * pixelScale_, false, 1, 0);
     tool.inliers = inliers_;
     tool.visibleParts = int(templates_.size());
     if (tool.inliers.empty()) return false;
@@ -397,9 +399,10 @@ bool ToolTrackerImpl::measure(int index, const Mat& image)
     for (size_t i = 0; i < used.size(); i++)
         if (used[i]) tool.inliers[kept++] = tool.inliers[i];
     tool.inliers.resize(kept);
+    const bool enough = kept >= 4;   // as many as must agree on the geometric context
     tool.correction = tool.filter->correction();
     tool.nis = tool.filter->nis();
-    return true;
+    return enough;
 }
 
 void ToolTrackerImpl::report(const TrackedTool& tool, const ToolView& view, ToolEstimate& e) const
