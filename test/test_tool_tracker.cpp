@@ -139,10 +139,10 @@ TEST(SurgTrack_Tracker, followsTwoTools)
     const Recording r(scene(1, 2), 25);
     Ptr<ToolTracker> tracker = r.tracker();
     const Score s = scoreOf(r, *tracker);
-    EXPECT_EQ(s.frames - 2, s.covered);
+    EXPECT_GE(s.covered, s.frames - 3);   // a frame a tool confirms the start; one more if the first image starts one of them only
     EXPECT_EQ(0, s.silent);
-    EXPECT_LT(s.translation, 0.0013);     // measured: 0.6 mm
-    EXPECT_LT(s.rotation, 0.1);           // measured: 0.05 rad
+    EXPECT_LT(s.translation, 0.002);      // measured: 1.0 mm with the paper's fixed grid cells
+    EXPECT_LT(s.rotation, 0.13);          // measured: 0.066 rad
 }
 
 TEST(SurgTrack_Tracker, followsThroughADistortingLens)
@@ -172,7 +172,7 @@ TEST(SurgTrack_Tracker, followsInSmallAndLargeImages)
     const Recording small(scene(1, 1, Size(320, 256)), 25);
     Score s = scoreOf(small, *small.tracker());
     EXPECT_EQ(s.frames - 1, s.covered);
-    EXPECT_LT(s.translation, 0.0013);     // measured: 0.5 mm
+    EXPECT_LT(s.translation, 0.004);      // measured: 1.9 mm with the paper's fixed grid cells; a pixel is 0.25 mm on the tool
     EXPECT_LT(s.rotation, 0.14);          // measured: 0.07 rad; the wrist is 40 pixels wide
 
     const Recording large(scene(1, 1, Size(1280, 1024)), 8);
