@@ -34,7 +34,7 @@ bool isRigid(const Matx44d& T)
     if (!checkRange(T)) return false;
     const Matx33d R = T.get_minor<3, 3>(0, 0);
     const bool affine = T(3, 0) == 0 && T(3, 1) == 0 && T(3, 2) == 0 && T(3, 3) == 1;
-    return affine && norm(R.t() * R, Matx33d::eye(), NORM_INF) < 1e-5 && determinant(R) > 0;
+    return affine && norm(R.t() * R, Matx33d::eye(), NORM_INF) < 1e-4 && determinant(R) > 0;
 }
 
 CameraModel::CameraModel() : fx(1), fy(1), cx(0), cy(0), size_(0, 0), distorted_(false)

@@ -24,14 +24,6 @@ void computeNormals(Mesh& mesh);
 //! Binary PLY, in the unit of the mesh.
 void writePLY(const String& filename, const Mesh& mesh);
 
-//! Rotation orthonormal and right-handed, last row 0 0 0 1, all finite. The tolerance admits matrices typed with five digits.
-inline bool isRigid(const Matx44d& T)
-{
-    const Matx33d R = T.get_minor<3, 3>(0, 0);
-    const Matx14d lastRow = T.row(3) - Matx14d(0, 0, 0, 1);
-    return checkRange(T) && norm(lastRow) == 0 && determinant(R) > 0 && norm(R.t() * R - Matx33d::eye(), NORM_INF) < 1e-4;
-}
-
 }} // namespace cv::surgtrack
 
 #endif

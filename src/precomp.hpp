@@ -37,7 +37,7 @@ inline Matx44d rigidInverse(const Matx44d& T)
     return inv;
 }
 
-//! Whether T is a finite rotation and translation (within tolerance 1e-5 of orthonormal, right-handed).
+//! Rotation orthonormal and right-handed, last row 0 0 0 1, all finite. The tolerance, 1e-4, admits matrices typed with five digits.
 bool isRigid(const Matx44d& T);
 
 }} // namespace cv::surgtrack

@@ -223,6 +223,10 @@ private:
 
 void writeScene(SyntheticScene& scene, const SyntheticScene::Params& params, const String& folder)
 {
+    const Size size = params.imageSize;
+    if (size.width % 2 || size.height % 2)
+        CV_Error(Error::StsBadSize, format("image size %d x %d: width and height must be even, video encoders store colour for pairs of pixels",
+                                           size.width, size.height));
     const String toolFolder = utils::fs::join(folder, "tool");
     if (!utils::fs::createDirectories(toolFolder))
         CV_Error(Error::StsError, format("%s: the folder can't be made: %s", toolFolder.c_str(), std::strerror(errno)));

@@ -253,6 +253,9 @@ TEST(SurgTrack_Synthetic, refusesParametersOutOfRange)
     params = SyntheticScene::Params();
     params.jointNoise = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW(makeScene(params), cv::Exception);
+    params = SyntheticScene::Params();
+    params.imageSize = Size(321, 240);
+    EXPECT_THROW(makeScene(params)->write(cv::tempfile()), cv::Exception) << "encoders need even sizes";
     Mat image;
     EXPECT_THROW(makeScene(smallScene())->render(0, image, true), cv::Exception) << "no right eye";
     EXPECT_THROW(makeScene(smallScene())->render(-1, image), cv::Exception);

@@ -26,7 +26,7 @@ public:
         CV_PROP_RW int tools;                  //!< 1 or 2
         CV_PROP_RW int frames;                 //!< length; the motion is periodic in it
         CV_PROP_RW int seed;
-        CV_PROP_RW Size imageSize;             //!< [pixel]
+        CV_PROP_RW Size imageSize;             //!< [pixel]; write() needs an even width and height
         CV_PROP_RW double fps;
         CV_PROP_RW double handEyeRotation;     //!< error of the recorded hand-eye calibration [rad]
         CV_PROP_RW double handEyeTranslation;  //!< the same [m], at the tool
