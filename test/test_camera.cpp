@@ -3,7 +3,11 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "test_common.hpp"
+#if CV_VERSION_MAJOR >= 5
+#include "opencv2/geometry.hpp"
+#else
 #include "opencv2/calib3d.hpp"
+#endif
 
 namespace opencv_test { namespace {
 
