@@ -60,6 +60,7 @@ inline void checkCommandLine(int argc, char** argv, const std::vector<std::strin
     for (int i = 1; i < argc; i++)
     {
         const std::string argument = argv[i];
+        if (argument == "-h") continue;
         const size_t equals = argument.find('=');
         const std::string name = argument.compare(0, 2, "--") == 0 ? argument.substr(2, equals == std::string::npos ? equals : equals - 2) : "";
         const bool isFlag = std::find(flags.begin(), flags.end(), name) != flags.end();

@@ -29,12 +29,23 @@ Mat asRows(InputArray values, int channels, const char* name)
     return m;
 }
 
-bool isRigid(const Matx44d& T)
+bool isRigid(const Matx44d& T, double tolerance)
 {
     if (!checkRange(T)) return false;
     const Matx33d R = T.get_minor<3, 3>(0, 0);
     const bool affine = T(3, 0) == 0 && T(3, 1) == 0 && T(3, 2) == 0 && T(3, 3) == 1;
-    return affine && norm(R.t() * R, Matx33d::eye(), NORM_INF) < 1e-4 && determinant(R) > 0;
+    return affine && norm(R.t() * R, Matx33d::eye(), NORM_INF) < tolerance && determinant(R) > 0;
+}
+
+Matx44d nearestRigid(const Matx44d& T)
+{
+    Matx31d w;
+    Matx33d u, vt;
+    SVD::compute(T.get_minor<3, 3>(0, 0), w, u, vt);
+    const Matx33d R = u * vt;
+    Matx44d result = T;
+    for (int i = 0; i < 9; i++) result(i / 3, i % 3) = R(i / 3, i % 3);
+    return result;
 }
 
 CameraModel::CameraModel() : fx(1), fy(1), cx(0), cy(0), size_(0, 0), distorted_(false)

@@ -16,6 +16,21 @@ void Rendering::create(const Rect& newWindow)
     shading = Mat(window.size(), CV_8UC1, storage_.data + 5 * n);
 }
 
+void checkRendering(const CameraModel& camera, const Rect& window, const std::vector<MeshInstance>& instances, int meshes)
+{
+    if (window.empty() || (window & Rect(Point(), camera.imageSize())) != window)
+        CV_Error(Error::StsOutOfRange, format("window %d x %d at (%d, %d) does not lie in the image of %d x %d", window.width, window.height,
+                                              window.x, window.y, camera.imageSize().width, camera.imageSize().height));
+    for (size_t i = 0; i < instances.size(); i++)
+    {
+        CV_CheckGE(instances[i].mesh, 0, "no such mesh");
+        CV_CheckLT(instances[i].mesh, meshes, "no such mesh");
+        CV_Check(instances[i].id, instances[i].id >= 1 && instances[i].id <= 255, "id must be 1..255");
+        // wider than at the door: products of transforms that were typed in
+        if (!isRigid(instances[i].camera_T_mesh, 1e-2)) CV_Error(Error::StsBadArg, format("instances[%d].camera_T_mesh must be rigid", int(i)));
+    }
+}
+
 void MeshRenderer::renderTool(const Ptr<ToolModel>& tool, InputArray joints, const Matx44d& camera_T_base, const CameraModel& camera,
                               OutputArray depth, OutputArray ids, OutputArray shading)
 {

@@ -310,16 +310,7 @@ Pinhole enclose(const CameraModel& camera, const Mat_<Vec2f>& rays)
 
 void VTKRenderer::render(const CameraModel& camera, const Rect& window, const std::vector<MeshInstance>& instances, Rendering& rendering)
 {
-    if (window.empty() || (window & Rect(Point(), camera.imageSize())) != window)
-        CV_Error(Error::StsOutOfRange, format("window %d x %d at (%d, %d) does not lie in the image of %d x %d", window.width, window.height,
-                                              window.x, window.y, camera.imageSize().width, camera.imageSize().height));
-    for (size_t i = 0; i < instances.size(); i++)
-    {
-        CV_CheckGE(instances[i].mesh, 0, "no such mesh");
-        CV_CheckLT(instances[i].mesh, int(meshes_.size()), "no such mesh");
-        CV_Check(instances[i].id, instances[i].id >= 1 && instances[i].id <= 255, "id must be 1..255");
-        if (!isRigid(instances[i].camera_T_mesh)) CV_Error(Error::StsBadArg, format("instances[%d].camera_T_mesh must be rigid", int(i)));
-    }
+    checkRendering(camera, window, instances, int(meshes_.size()));
 
     rendering.create(window);
     double n, f;

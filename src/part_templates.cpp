@@ -52,7 +52,11 @@ public:
     int addTool(const Ptr<ToolModel>& model) CV_OVERRIDE;
     void render(const CameraModel& camera, const std::vector<ToolView>& views, int tool, std::vector<PartTemplate>& templates, double scale,
                 double rotation) CV_OVERRIDE;
-    Ptr<ToolModel> model(int tool) const CV_OVERRIDE { return tools_[tool].model; }
+    Ptr<ToolModel> model(int tool) const CV_OVERRIDE
+    {
+        CV_Check(tool, tool >= 0 && tool < int(tools_.size()), "no such tool: addTool() comes first");
+        return tools_[tool].model;
+    }
     const Rendering& rendering() const CV_OVERRIDE { return rendering_; }
 
 private:
@@ -111,7 +115,6 @@ void PartTemplateRendererImpl::placeInstances(const std::vector<ToolView>& views
     for (size_t t = 0; t < tools_.size(); t++)
     {
         const std::vector<ToolModel::Link>& links = tools_[t].model->links();
-        CV_CheckEQ(views[t].base_T_link.size(), links.size(), "a view needs one pose per link");
         const Matx44d camera_T_base = int(t) == tool ? moved * views[t].camera_T_base : views[t].camera_T_base;
         for (size_t i = 0; i < links.size(); i++)
         {
@@ -191,7 +194,10 @@ void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vect
     CV_Check(scale, scale > 0 && scale < DBL_MAX, "scale must be positive");
     CV_Check(rotation, std::abs(rotation) < DBL_MAX, "rotation must be finite");
     for (size_t i = 0; i < views.size(); i++)
-        if (!isRigid(views[i].camera_T_base)) CV_Error(Error::StsBadArg, format("views[%d].camera_T_base must be a rigid transform", int(i)));
+    {
+        if (!isRigid(views[i].camera_T_base, 1e-2)) CV_Error(Error::StsBadArg, format("views[%d].camera_T_base must be a rigid transform", int(i)));
+        CV_CheckEQ(views[i].base_T_link.size(), tools_[i].model->links().size(), "a view needs one pose per link");
+    }
     const Tool& own = tools_[tool];
     const ToolView& view = views[tool];
     const std::vector<ToolModel::Keypoint>& keypoints = own.model->keypoints();
@@ -205,6 +211,7 @@ void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vect
     const Matx44d camera_T_base = moved * view.camera_T_base;
 
     // Keypoints in the image, and the window that holds their boxes.
+    const Rect2d field = camera.fieldOfView(image);
     std::vector<PartTemplate> parts;
     Rect window;
     for (size_t i = 0; i < keypoints.size(); i++)
@@ -213,7 +220,8 @@ void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vect
         t.tool = tool;
         t.part = int(i);
         t.viewPoint = transform(camera_T_base * view.base_T_link[keypoints[i].link], keypoints[i].linkPoint);
-        if (t.viewPoint.z < 1e-3) continue;
+        // Far outside the field of view a lens model may fold points back into the image.
+        if (t.viewPoint.z < 1e-3 || !field.contains(Point2d(t.viewPoint.x, t.viewPoint.y) * (1 / t.viewPoint.z))) continue;
         t.imagePoint = camera.project(t.viewPoint);
         t.anchor = Point(cvRound(t.imagePoint.x), cvRound(t.imagePoint.y));
         if (!image.contains(t.anchor)) continue;

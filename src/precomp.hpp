@@ -18,6 +18,9 @@ void checkFinite(InputArray values, const char* name);
 //! As a N x channels CV_64F matrix (a copy if need be), finite; for arguments that may come as N x channels or N-vectors of points.
 Mat asRows(InputArray values, int channels, const char* name);
 
+//! The arguments of MeshRenderer::render(), for a renderer that has so many meshes.
+void checkRendering(const CameraModel& camera, const Rect& window, const std::vector<MeshInstance>& instances, int meshes);
+
 inline Point3d transform(const Matx44d& T, const Point3d& p)
 {
     return Point3d(T(0, 0) * p.x + T(0, 1) * p.y + T(0, 2) * p.z + T(0, 3),
@@ -37,8 +40,11 @@ inline Matx44d rigidInverse(const Matx44d& T)
     return inv;
 }
 
-//! Rotation orthonormal and right-handed, last row 0 0 0 1, all finite. The tolerance, 1e-4, admits matrices typed with five digits.
-bool isRigid(const Matx44d& T);
+//! Rotation orthonormal and right-handed, last row 0 0 0 1, all finite. The tolerance admits matrices typed with four decimals.
+bool isRigid(const Matx44d& T, double tolerance = 1e-3);
+
+//! The same with an exact rotation, the nearest one.
+Matx44d nearestRigid(const Matx44d& T);
 
 }} // namespace cv::surgtrack
 

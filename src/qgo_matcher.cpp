@@ -63,6 +63,7 @@ void QGOMatcherImpl::setImage(InputArray _image, const Rect& roi)
     padded_ = Rect(roi_.x - margin_, roi_.y - margin_, roi_.width + 2 * margin_, roi_.height + 2 * margin_);
     step_ = padded_.width;
     planeSize_ = step_ * padded_.height + overrun;
+    CV_CheckLT(8 * planeSize_, size_t(INT_MAX), "the image is too large, a roi is needed");
     planes_.assign(8 * planeSize_, 0);
     if (roi_.empty()) return;
     orientations_.create(roi_.size(), CV_8UC1);
@@ -114,6 +115,7 @@ void QGOMatcherImpl::similarityMap(const PartTemplate& t, const Rect& window, Ou
 {
     CV_Assert(!imageSize_.empty() && "setImage() comes first");
     CV_Assert(!window.empty());
+    CV_Check(t.features.size(), !t.features.empty() && t.features.size() <= 65535 / 4, "partTemplate needs 1..16383 features");
     similarity(t, window);
     Mat(window.size(), CV_16UC1, &similarity_[0]).copyTo(result);
 }

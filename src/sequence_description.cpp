@@ -61,14 +61,6 @@ struct Key
     }
 };
 
-// 1e-3: matrices typed in with four decimals are still taken.
-bool isRigid(const Matx44d& T)
-{
-    const Matx33d R = T.get_minor<3, 3>(0, 0);
-    return checkRange(T) && norm(R * R.t(), Matx33d::eye(), NORM_INF) < 1e-3 && determinant(R) > 0 &&
-           T(3, 0) == 0 && T(3, 1) == 0 && T(3, 2) == 0 && T(3, 3) == 1;
-}
-
 Matx44d readTransform(const Key& key)
 {
     const char* expected = "a 4x4 matrix: rotation, translation [m], last row 0 0 0 1";

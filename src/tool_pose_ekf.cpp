@@ -160,7 +160,7 @@ bool solveEPnP(const CameraModel& camera, InputArray _nominalPoints, InputArray 
 
 ToolPoseEKF::Params::Params()
     : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.05 * CV_PI / 180), processTranslation(0.00015),
-      measurementNoise(3), gate(13.8)
+      measurementNoise(3), gate(13.8), minPoints(1)
 {
 }
 
@@ -237,7 +237,7 @@ bool ToolPoseEKFImpl::correct(InputArray nominalPoints, InputArray imagePoints, 
         passed[i] = 1;
     }
     if (used.needed()) Mat(passed).copyTo(used);
-    if (rows == 0) return false;
+    if (rows < 2 * std::max(1, params_.minPoints)) return false;
 
     const Eigen::Matrix<double, Eigen::Dynamic, 6> Hn = H.topRows(rows);
     const Eigen::VectorXd y = innovation.head(rows);

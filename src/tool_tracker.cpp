@@ -71,6 +71,7 @@ struct TrackedTool
     Matx44d nominal_T_base;
     Ptr<ToolPoseEKF> filter;
     Matx44d correction;              // the last one; kept when nothing is seen
+    Matx44d trusted;                 // the last one that was tracked; what an unconfirmed one goes back to
     int state;
     int hypothesis;                  // of the search for a lost tool
     int confirmed;                   // consecutive measured frames since the (re)start
@@ -147,7 +148,11 @@ ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params
     CV_Assert(!camera.imageSize().empty());
     CV_Check(params.method, params.method == METHOD_PAPER || params.method == METHOD_EPNP, "Params::method: no such method");
     CV_CheckGE(params.minInitialInliers, 4, "Params::minInitialInliers: EPnP needs four points");
-    CV_CheckGT(params.initialWindow, 0., "Params::initialWindow must be positive");
+    CV_Check(params.initialWindow, params.initialWindow > 0 && params.initialWindow < DBL_MAX, "Params::initialWindow must be positive");
+    CV_Check(params.minWindow, params.minWindow > 0 && params.minWindow < 1e5, "Params::minWindow must be positive");
+    CV_Check(params.minInitialSimilarity, params.minInitialSimilarity >= 0 && params.minInitialSimilarity <= 1, "Params::minInitialSimilarity must be in 0..1");
+    CV_CheckGE(params.confirmFrames, 0, "Params::confirmFrames must not be negative");
+    CV_Check(params.coastingTime, params.coastingTime >= 0 && params.coastingTime < DBL_MAX, "Params::coastingTime must not be negative");
     renderer_ = PartTemplateRenderer::create();
     matcher_ = QGOMatcher::create();
     GeometricContextVerifier::Params context;
@@ -165,11 +170,16 @@ int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal
 {
     CV_Assert(model);
     if (!isRigid(nominal_T_base)) CV_Error(Error::StsBadArg, "nominal_T_base must be a rigid transform");
+    const int parts = int(model->keypoints().size());
+    if (parts < params_.minInitialInliers)
+        CV_Error(Error::StsBadArg, format("tool %s has %d keypoints, expected at least %d (Params::minInitialInliers)", model->name().c_str(),
+                                          parts, params_.minInitialInliers));
     TrackedTool tool;
     tool.model = model;
-    tool.nominal_T_base = nominal_T_base;
+    tool.nominal_T_base = nearestRigid(nominal_T_base);
     ToolPoseEKF::Params filter;
     filter.measurementNoise *= pixelScale_;
+    filter.minPoints = 4;   // as many as must agree on the geometric context
     tool.filter = ToolPoseEKF::create(camera_, filter);
     renderer_->addTool(model);
     tools_.push_back(tool);
@@ -186,7 +196,7 @@ void ToolTrackerImpl::reset(int tool)
         if (tool >= 0 && i != tool) continue;
         TrackedTool& t = tools_[i];
         t.filter->reset(Matx44d::eye());
-        t.correction = Matx44d::eye();
+        t.correction = t.trusted = Matx44d::eye();
         t.state = STATE_INITIALIZING;
         t.confirmed = 0;
         t.hypothesis = 0;
@@ -316,6 +326,7 @@ bool ToolTrackerImpl::initialize(int index, const Mat& image, int first, int las
     for (int i = first; i <= last; i++)
     {
         locate(index, image, halfWindow, true, scales[i / 3], rotations[i % 3]);
+        if (i == first) tool.visibleParts = int(templates_.size());
         double score = 0;
         for (size_t k = 0; k < inliers_.size(); k++) score += inliers_[k].similarity;
         if (score <= bestScore) continue;
@@ -365,11 +376,13 @@ bool ToolTrackerImpl::startFromHandEye(int index, const Mat& image)
         StageTimer timer(timings_[FILTER]);
         gather(tool, nominalPoints, imagePoints);
         tool.filter->reset(Matx44d::eye());
+        std::vector<uchar> used;
         // Points that such a calibration does not explain: EPnP's pose, as after a move of the camera.
-        if (tool.filter->correct(nominalPoints, imagePoints)) tool.correction = tool.filter->correction();
+        if (tool.filter->correct(nominalPoints, imagePoints, used) && 2 * countNonZero(used) > int(used.size()))
+            tool.correction = tool.filter->correction();
         else tool.filter->reset(tool.correction);
     }
-    return meanSimilarity(tool.inliers) >= params_.minInitialSimilarity;
+    return meanSimilarity(tool.inliers) >= params_.minInitialSimilarity && plausible(tool, tool.correction);
 }
 
 // One template a part at the last correction, then the filter (paper, Sec. 2.3).
@@ -399,10 +412,17 @@ bool ToolTrackerImpl::measure(int index, const Mat& image)
     for (size_t i = 0; i < used.size(); i++)
         if (used[i]) tool.inliers[kept++] = tool.inliers[i];
     tool.inliers.resize(kept);
-    const bool enough = kept >= 4;   // as many as must agree on the geometric context
+    // A lost tool is found again on the evidence of a start, and none where no calibration error could have put it.
+    const bool found = tool.state != STATE_LOST
+                       || (int(kept) >= params_.minInitialInliers && meanSimilarity(tool.inliers) >= params_.minInitialSimilarity);
+    if (!found || !plausible(tool, tool.filter->correction()))
+    {
+        tool.filter->reset(tool.correction);
+        return false;
+    }
     tool.correction = tool.filter->correction();
     tool.nis = tool.filter->nis();
-    return enough;
+    return true;
 }
 
 void ToolTrackerImpl::report(const TrackedTool& tool, const ToolView& view, ToolEstimate& e) const
@@ -411,7 +431,8 @@ void ToolTrackerImpl::report(const TrackedTool& tool, const ToolView& view, Tool
     e.state = tool.state;
     e.camera_T_nominal = tool.correction;
     e.camera_T_tool = tool.correction * nominal_T_tool;
-    e.covariance = tool.filter->poseCovariance(Point3d(nominal_T_tool(0, 3), nominal_T_tool(1, 3), nominal_T_tool(2, 3)));
+    if (params_.method == METHOD_PAPER)
+        e.covariance = tool.filter->poseCovariance(Point3d(nominal_T_tool(0, 3), nominal_T_tool(1, 3), nominal_T_tool(2, 3)));
     e.visibleParts = tool.visibleParts;
     e.inliers = int(tool.inliers.size());
     e.similarity = tool.similarity;
@@ -455,13 +476,22 @@ void ToolTrackerImpl::update(InputArray _image, double time, const std::vector<s
             {
                 tool.lastSeen = time;
                 tool.confirmed++;
-                if (tool.confirmed > params_.confirmFrames) tool.state = STATE_TRACKING;
+                if (tool.confirmed > params_.confirmFrames)
+                {
+                    tool.state = STATE_TRACKING;
+                    tool.trusted = tool.correction;
+                }
             }
             else
             {
                 if (tool.state == STATE_TRACKING) tool.state = STATE_COASTING;
                 if (tool.state == STATE_COASTING && time - tool.lastSeen > params_.coastingTime) tool.state = STATE_LOST;
-                if (tool.state != STATE_COASTING) tool.confirmed = 0;
+                if (tool.state != STATE_COASTING && tool.confirmed > 0)
+                {
+                    tool.confirmed = 0;
+                    tool.correction = tool.trusted;
+                    tool.filter->reset(tool.correction);
+                }
                 tool.inliers.clear();
                 tool.nis = 0;
             }

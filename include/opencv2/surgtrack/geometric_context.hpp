@@ -16,7 +16,8 @@ namespace cv { namespace surgtrack {
 
 Two matches of different parts, drawn in PROSAC order @cite chum2005matching, span a polar grid in the image and one in the
 drawing: centre on the first point, axis through the second. Another match agrees if it falls into the zone of its part in
-both grids. The sample with most inliers wins (ties: the larger sum of similarities); a part has at most one inlier. */
+both grids. The sample with most inliers wins (ties: the larger sum of similarities); a part has at most one inlier. With Params::centredZones = false the first sample
+that Params::minInliers agree with is taken, as in the paper. */
 class CV_EXPORTS_W GeometricContextVerifier
 {
 public:

@@ -53,6 +53,7 @@ public:
         CV_PROP_RW double processTranslation;   //!< the same [m]
         CV_PROP_RW double measurementNoise;     //!< standard deviation of an image point [pixel]
         CV_PROP_RW double gate;                 //!< points with a larger squared Mahalanobis distance are left out; 13.8 = 99.9 % of chi-square with 2 dof; 0 = none
+        CV_PROP_RW int minPoints;               //!< with fewer points inside the gate nothing is updated; default 1
     };
 
     CV_WRAP static Ptr<ToolPoseEKF> create(const CameraModel& camera, const ToolPoseEKF::Params& params = ToolPoseEKF::Params());
@@ -68,7 +69,7 @@ public:
     @param nominalPoints N x 3, 64-bit: keypoints in the nominal camera frame [m]
     @param imagePoints N x 2, 64-bit: where they were found [pixel]
     @param used if wanted, N x 1 CV_8U: 1 where the point passed the gate
-    @return whether the state was updated; false if no point passed or the innovation covariance is singular: nothing changes then */
+    @return whether the state was updated; false if fewer than Params::minPoints passed or the innovation covariance is singular: nothing changes then */
     CV_WRAP virtual bool correct(InputArray nominalPoints, InputArray imagePoints, OutputArray used = noArray()) = 0;
 
     CV_WRAP virtual Matx44d correction() const = 0;         //!< camera_T_nominal

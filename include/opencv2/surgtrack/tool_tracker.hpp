@@ -25,7 +25,7 @@ enum TrackingMethod
 //! What an estimate is worth.
 enum TrackingState
 {
-    STATE_INITIALIZING = 0,   //!< no pose of the camera's own yet: the pose is that of the kinematics
+    STATE_INITIALIZING = 0,   //!< no confirmed pose yet: that of the kinematics, or a first measurement
     STATE_TRACKING = 1,       //!< the pose was measured in this frame
     STATE_COASTING = 2,       //!< nothing was measured for a short while: kinematics with the last correction
     STATE_LOST = 3            //!< the pose must not be used
@@ -42,11 +42,11 @@ struct CV_EXPORTS_W_SIMPLE ToolEstimate
     CV_PROP int state;                   //!< see cv::surgtrack::TrackingState
     CV_PROP Matx44d camera_T_tool;       //!< pose of the end effector in the camera frame [m]
     CV_PROP Matx44d camera_T_nominal;    //!< the correction of the hand-eye calibration
-    CV_PROP Matx66d covariance;          //!< of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame
+    CV_PROP Matx66d covariance;          //!< of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame; zero with METHOD_EPNP
     CV_PROP int visibleParts;            //!< parts that had a template
     CV_PROP int inliers;                 //!< matches that agreed on the geometric context and went into the pose
     CV_PROP double similarity;           //!< mean similarity of the inliers, 0..1; 0 without inliers
-    CV_PROP double nis;                  //!< normalised innovation squared per degree of freedom; about 1 if the filter is consistent
+    CV_PROP double nis;                  //!< normalised innovation squared per degree of freedom; about 1 if the filter is consistent; 0 with METHOD_EPNP
     CV_PROP std::vector<PartMatch> matches;   //!< the inliers
 };
 
