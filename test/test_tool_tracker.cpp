@@ -509,4 +509,31 @@ TEST(SurgTrack_Tracker, followsTheRecordedPaperRig)
     EXPECT_EQ(0, score.silent);
 }
 
+TEST(SurgTrack_Tracker, rejectsAToolWithTooFewKeypoints)
+{
+    const Ptr<ToolModel> full = needleDriver();
+    ToolModel::Description d;
+    d.name = "blank";
+    d.coordinates = full->coordinateNames();
+    d.links = full->links();
+    d.meshes = full->meshes();
+    d.endEffectorLink = 0;
+    Ptr<ToolTracker> tracker = ToolTracker::create(common().scene->camera());
+    EXPECT_ERROR(tracker->addTool(ToolModel::create(d), Matx44d::eye()), "keypoints");
+}
+
+TEST(SurgTrack_Tracker, takesACalibrationRoundedToFourDecimals)
+{
+    const Recording& r = common();
+    Matx44d rounded = r.scene->nominal_T_base(0);
+    for (int i = 0; i < 12; i++) rounded.val[i] = std::floor(rounded.val[i] * 1e4 + 0.5) / 1e4;
+    Ptr<ToolTracker> tracker = ToolTracker::create(r.scene->camera());
+    tracker->addTool(r.scene->model(), rounded);
+    Estimates e;
+    for (int frame = 0; frame < 3; frame++) e = r.update(*tracker, frame);
+    EXPECT_EQ(STATE_TRACKING, e[0].state);
+    const Matx33d R = e[0].camera_T_tool.get_minor<3, 3>(0, 0);
+    EXPECT_LT(cv::norm(R.t() * R, Matx33d::eye(), NORM_INF), 1e-9);   // a pose is a rotation, whatever was typed in
+}
+
 }} // namespace
