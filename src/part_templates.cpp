@@ -69,7 +69,7 @@ private:
 
     void placeInstances(const std::vector<ToolView>& views, int tool, const Matx44d& moved);
     bool isVisible(const Point& imagePoint, double z, int id, double slack) const;
-    void cut(PartTemplate& t, const Size2d& box, int id) const;
+    void cut(PartTemplate& t, const Size2d& box, int id);
 
     Ptr<MeshRenderer> renderer_;
     Params params_;
@@ -78,7 +78,7 @@ private:
     Rendering rendering_;
     Mat picture_, orientations_;
     std::vector<uchar> workspace_;
-    mutable std::vector<TemplateFeature> found_;
+    std::vector<TemplateFeature> found_;   // of one cut()
 };
 
 int PartTemplateRendererImpl::addTool(const Ptr<ToolModel>& model)
@@ -150,7 +150,7 @@ bool PartTemplateRendererImpl::isVisible(const Point& p, double z, int id, doubl
 }
 
 // Features on the tool's pixels and the one pixel around them, thinned evenly to maxFeatures.
-void PartTemplateRendererImpl::cut(PartTemplate& t, const Size2d& box, int id) const
+void PartTemplateRendererImpl::cut(PartTemplate& t, const Size2d& box, int id)
 {
     const Point at = t.anchor - rendering_.window.tl();
     const int hx = cvRound(box.width / 2), hy = cvRound(box.height / 2);

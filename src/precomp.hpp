@@ -15,6 +15,9 @@ namespace cv { namespace surgtrack {
 //! Asserts that every element of a numeric array is finite; name is the argument's, for the message.
 void checkFinite(InputArray values, const char* name);
 
+//! CV_8UC1 or CV_8UC3, not empty.
+void checkImage(const Mat& image);
+
 //! As a N x channels CV_64F matrix (a copy if need be), finite; for arguments that may come as N x channels or N-vectors of points.
 Mat asRows(InputArray values, int channels, const char* name);
 

@@ -14,7 +14,7 @@
 
 namespace cv { namespace surgtrack {
 
-static void checkImage(const Mat& image)
+void checkImage(const Mat& image)
 {
     if (image.empty() || (image.type() != CV_8UC1 && image.type() != CV_8UC3))
         CV_Error(Error::StsUnsupportedFormat, format("image must be CV_8UC1 or CV_8UC3 and not empty, is %s of %d x %d",

@@ -53,9 +53,7 @@ const int overrun = 64;   // a row of a kernel may
 void QGOMatcherImpl::setImage(InputArray _image, const Rect& roi)
 {
     const Mat image = _image.getMat();
-    if (image.empty() || (image.type() != CV_8UC1 && image.type() != CV_8UC3))
-        CV_Error(Error::StsUnsupportedFormat, format("image must be CV_8UC1 or CV_8UC3 and not empty, is %s of %d x %d",
-                                                     typeToString(image.type()).c_str(), image.cols, image.rows));
+    checkImage(image);
     const Rect all(Point(), image.size());
     imageSize_ = image.size();
     roi_ = roi.empty() ? all : roi & all;

@@ -210,9 +210,7 @@ void ToolTrackerImpl::reset(int tool)
 void ToolTrackerImpl::check(const Mat& image, double time, const std::vector<std::vector<double> >& joints) const
 {
     if (tools_.empty()) CV_Error(Error::StsError, "no tool: addTool() comes first");
-    if (image.empty() || (image.type() != CV_8UC1 && image.type() != CV_8UC3))
-        CV_Error(Error::StsUnsupportedFormat, format("image must be CV_8UC1 or CV_8UC3 and not empty, is %s of %d x %d",
-                                                     typeToString(image.type()).c_str(), image.cols, image.rows));
+    checkImage(image);
     if (image.size() != imageSize_)
         CV_Error(Error::StsUnmatchedSizes, format("image is %d x %d, the camera's is %d x %d", image.cols, image.rows,
                                                   imageSize_.width, imageSize_.height));
