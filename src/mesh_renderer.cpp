@@ -10,7 +10,7 @@ void Rendering::create(const Rect& newWindow)
 {
     window = newWindow;
     const size_t n = window.area();
-    if (storage_.total() < 6 * n) storage_.create(1, int(6 * n), CV_8UC1);
+    if (storage_.total() < 6 * n) storage_.create(1, int(12 * n), CV_8UC1);   // windows that grow take memory now and then only
     depth = Mat(window.size(), CV_32FC1, storage_.data);
     ids = Mat(window.size(), CV_8UC1, storage_.data + 4 * n);
     shading = Mat(window.size(), CV_8UC1, storage_.data + 5 * n);

@@ -91,7 +91,8 @@ public:
     ~VTKRenderer() CV_OVERRIDE;
 
     int addMesh(const Mesh& mesh) CV_OVERRIDE;
-    void render(const CameraModel& camera, const Rect& window, const std::vector<MeshInstance>& instances, Rendering& rendering) CV_OVERRIDE;
+    void render(const CameraModel& camera, const Rect& window, const std::vector<MeshInstance>& instances, Rendering& rendering,
+                const std::vector<Rect>& regions) CV_OVERRIDE;
 
     //! Draws a square. @return whether it is there
     bool test();
@@ -308,7 +309,8 @@ Pinhole enclose(const CameraModel& camera, const Mat_<Vec2f>& rays)
     return p;
 }
 
-void VTKRenderer::render(const CameraModel& camera, const Rect& window, const std::vector<MeshInstance>& instances, Rendering& rendering)
+void VTKRenderer::render(const CameraModel& camera, const Rect& window, const std::vector<MeshInstance>& instances, Rendering& rendering,
+                         const std::vector<Rect>&)
 {
     checkRendering(camera, window, instances, int(meshes_.size()));
 
@@ -392,7 +394,7 @@ bool VTKRenderer::test()
     const CameraModel camera(Matx33d(8, 0, 7.5, 0, 8, 7.5, 0, 0, 1), noArray(), Size(16, 16));
     try
     {
-        render(camera, Rect(0, 0, 16, 16), std::vector<MeshInstance>(1, instance), rendering);
+        render(camera, Rect(0, 0, 16, 16), std::vector<MeshInstance>(1, instance), rendering, std::vector<Rect>());
     }
     catch (const cv::Exception&)
     {

@@ -28,6 +28,13 @@ PartTemplateRenderer::Params::Params()
 
 namespace {
 
+inline bool isZero8(const uchar* p)
+{
+    int64 eight;
+    std::memcpy(&eight, p, 8);
+    return eight == 0;
+}
+
 inline uchar bitIndex(int oneBit)
 {
     uchar index = 0;
@@ -69,16 +76,20 @@ private:
 
     void placeInstances(const std::vector<ToolView>& views, int tool, const Matx44d& moved);
     bool isVisible(const Point& imagePoint, double z, int id, double slack) const;
+    void light();
     void cut(PartTemplate& t, const Size2d& box, int id);
 
     Ptr<MeshRenderer> renderer_;
     Params params_;
     std::vector<Tool> tools_;
     std::vector<MeshInstance> instances_;
+    std::vector<Rect> boxes_;
     Rendering rendering_;
     Mat picture_, orientations_;
-    std::vector<uchar> workspace_;
+    std::vector<uchar> pictureMemory_, orientationMemory_, workspace_;
+    std::vector<PartTemplate> parts_;      // in the image, of one render()
     std::vector<TemplateFeature> found_;   // of one cut()
+    std::vector<std::vector<TemplateFeature> > spare_;   // memory of templates that are no more
 };
 
 int PartTemplateRendererImpl::addTool(const Ptr<ToolModel>& model)
@@ -149,6 +160,25 @@ bool PartTemplateRendererImpl::isVisible(const Point& p, double z, int id, doubl
     return false;
 }
 
+// A matrix in memory that only grows.
+Mat take(std::vector<uchar>& memory, Size size)
+{
+    memory.resize(roomFor(size.area(), memory.size()));
+    return Mat(size, CV_8UC1, &memory[0]);
+}
+
+void PartTemplateRendererImpl::light()
+{
+    picture_ = take(pictureMemory_, rendering_.window.size());
+    const int scale = cvRound((1 - ambient) * 65536), offset = cvRound((255 * ambient + 0.5) * 65536);
+    for (int y = 0; y < picture_.rows; y++)
+    {
+        const uchar *shading = rendering_.shading.ptr(y), *ids = rendering_.ids.ptr(y);
+        uchar* picture = picture_.ptr(y);
+        for (int x = 0; x < picture_.cols; x++) picture[x] = ids[x] ? uchar((shading[x] * scale + offset) >> 16) : background;
+    }
+}
+
 // Features on the tool's pixels and the one pixel around them, thinned evenly to maxFeatures.
 void PartTemplateRendererImpl::cut(PartTemplate& t, const Size2d& box, int id)
 {
@@ -157,12 +187,15 @@ void PartTemplateRendererImpl::cut(PartTemplate& t, const Size2d& box, int id)
     const Rect inner = Rect(1, 1, rendering_.window.width - 2, rendering_.window.height - 2);
     const Rect area = Rect(at.x - hx, at.y - hy, 2 * hx + 1, 2 * hy + 1) & inner;
     found_.clear();
+    found_.reserve(roomFor(area.area(), found_.capacity()));
     for (int y = area.y; y < area.y + area.height; y++)
     {
         const uchar* bits = orientations_.ptr(y);
         const uchar *above = rendering_.ids.ptr(y - 1), *ids = rendering_.ids.ptr(y), *below = rendering_.ids.ptr(y + 1);
-        for (int x = area.x; x < area.x + area.width; x++)
+        for (int x = area.x, end = area.x + area.width; x < end; x++)
         {
+            while (x + 8 <= end && isZero8(bits + x)) x += 8;
+            if (x >= end) break;
             if (!bits[x] || (ids[x] != id && ids[x - 1] != id && ids[x + 1] != id && above[x] != id && below[x] != id)) continue;
             TemplateFeature f;
             f.x = short(x - at.x);
@@ -172,6 +205,7 @@ void PartTemplateRendererImpl::cut(PartTemplate& t, const Size2d& box, int id)
         }
     }
     const size_t n = std::min(found_.size(), size_t(params_.maxFeatures));
+    t.features.reserve(params_.maxFeatures);
     t.features.resize(n);
     for (size_t i = 0; i < n; i++) t.features[i] = found_[i * found_.size() / n];
 
@@ -212,11 +246,13 @@ void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vect
 
     // Keypoints in the image, and the window that holds their boxes.
     const Rect2d field = camera.fieldOfView(image);
-    std::vector<PartTemplate> parts;
+    size_t parts = 0;
     Rect window;
+    boxes_.clear();
     for (size_t i = 0; i < keypoints.size(); i++)
     {
-        PartTemplate t;
+        if (parts == parts_.size()) parts_.push_back(PartTemplate());
+        PartTemplate& t = parts_[parts];
         t.tool = tool;
         t.part = int(i);
         t.viewPoint = transform(camera_T_base * view.base_T_link[keypoints[i].link], keypoints[i].linkPoint);
@@ -228,25 +264,46 @@ void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vect
         const int hx = cvCeil(params_.boxSize * camera.fx / t.viewPoint.z / 2) + 6, hy = cvCeil(params_.boxSize * camera.fy / t.viewPoint.z / 2) + 6;
         const Rect box = Rect(t.anchor.x - hx, t.anchor.y - hy, 2 * hx + 1, 2 * hy + 1) & image;
         window = window.empty() ? box : window | box;
-        parts.push_back(t);
+        boxes_.push_back(box);
+        parts++;
     }
-    templates.clear();
-    if (parts.empty()) return;
+    if (parts == 0)
+    {
+        templates.clear();
+        return;
+    }
 
     placeInstances(views, tool, moved);
-    renderer_->render(camera, window, instances_, rendering_);
-    rendering_.shading.convertTo(picture_, CV_8U, 1 - ambient, 255 * ambient);
-    picture_.setTo(background, rendering_.ids == 0);
-    orientations_.create(picture_.size(), CV_8UC1);
+    renderer_->render(camera, window, instances_, rendering_, boxes_);
+    light();
+    orientations_ = take(orientationMemory_, window.size());
     quantize(picture_, Rect(Point(), picture_.size()), squaredMagnitude(params_.magnitudeThreshold), orientations_, workspace_);
 
-    for (size_t i = 0; i < parts.size(); i++)
+    // Features are swapped, not copied, between these and the caller's templates of the frame before.
+    size_t kept = 0;
+    for (size_t i = 0; i < parts; i++)
     {
-        PartTemplate& t = parts[i];
+        PartTemplate& t = parts_[i];
         const double slack = own.isTip[t.part] ? params_.tipDepthSlack : params_.depthSlack;
         if (!isVisible(t.anchor - window.tl(), t.viewPoint.z, tool + 1, slack)) continue;
         cut(t, Size2d(params_.boxSize * camera.fx / t.viewPoint.z, params_.boxSize * camera.fy / t.viewPoint.z), tool + 1);
-        if (int(t.features.size()) >= params_.minFeatures) templates.push_back(t);
+        if (int(t.features.size()) < params_.minFeatures) continue;
+        if (kept == templates.size())
+        {
+            templates.push_back(PartTemplate());
+            if (!spare_.empty())
+            {
+                templates.back().features.swap(spare_.back());
+                spare_.pop_back();
+            }
+        }
+        std::swap(templates[kept++], t);
+    }
+    while (templates.size() > kept)
+    {
+        spare_.push_back(std::vector<TemplateFeature>());
+        spare_.back().swap(templates.back().features);
+        templates.pop_back();
     }
 }
 

@@ -24,6 +24,10 @@ Mat asRows(InputArray values, int channels, const char* name);
 //! The arguments of MeshRenderer::render(), for a renderer that has so many meshes.
 void checkRendering(const CameraModel& camera, const Rect& window, const std::vector<MeshInstance>& instances, int meshes);
 
+//! How much memory to take for `needed` elements where there are `existing`: twice what is needed, so that windows that grow a
+//! little from frame to frame do not take some each time.
+inline size_t roomFor(size_t needed, size_t existing) { return needed > existing ? 2 * needed : existing; }
+
 inline Point3d transform(const Matx44d& T, const Point3d& p)
 {
     return Point3d(T(0, 0) * p.x + T(0, 1) * p.y + T(0, 2) * p.z + T(0, 3),

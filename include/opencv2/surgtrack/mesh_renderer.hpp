@@ -44,7 +44,7 @@ class CV_EXPORTS_W MeshRenderer
 public:
     virtual ~MeshRenderer() {}
 
-    /** @brief The default: a z-buffer on the CPU. Needs no display; gives the same bits on every machine. */
+    /** @brief The default: a z-buffer on the CPU. Needs no display; its result does not depend on the vector instructions there are. */
     CV_WRAP static Ptr<MeshRenderer> createSoftware();
 
     /** @brief VTK / OpenGL, off screen: through an X server if DISPLAY names one, else X-free through EGL.
@@ -59,8 +59,11 @@ public:
     @param camera intrinsics and distortion
     @param window part of the image; must lie inside it
     @param instances meshes and their poses; may reach behind the camera
-    @param rendering result */
-    virtual void render(const CameraModel& camera, const Rect& window, const std::vector<MeshInstance>& instances, Rendering& rendering) = 0;
+    @param rendering result
+    @param regions the parts of the window that are needed, in the image's coordinates; what lies outside of them may stay empty.
+    None: all of it is needed */
+    virtual void render(const CameraModel& camera, const Rect& window, const std::vector<MeshInstance>& instances, Rendering& rendering,
+                        const std::vector<Rect>& regions = std::vector<Rect>()) = 0;
 
     /** @brief Draws one tool into a whole image.
     @param tool its meshes are added on the first call
