@@ -8,12 +8,25 @@
 #include "perf_precomp.hpp"
 #include "opencv2/imgproc.hpp"
 
-namespace opencv_test { namespace {
+namespace opencv_test {
 
 using namespace cv::surgtrack;
 
-// An endoscope's image, and a full HD one.
-#define SURGTRACK_SIZES testing::Values(Size(720, 576), Size(1920, 1080))
+// The images of endoscopes.
+#define SURGTRACK_SIZES testing::Values(Size(720, 576), Size(1280, 1024), Size(1920, 1080))
+
+// CAD models by their number of triangles, and the real one, for tool().
+#define SURGTRACK_CAD testing::Values("12k", "80k", "1M", "SURGTRACK_DATA")
+
+/* A tool as a user gets it, from a file by ToolModel::load(): "12k", "80k", "1M" = the built-in tool with that many triangles,
+"SURGTRACK_DATA" = the Large Needle Driver of the data folder (the test is skipped without it). Made once. */
+Ptr<ToolModel> tool(const std::string& cad);
+
+/* Templates cut from an image, at its strongest corners. Features as cv::linemod chooses them: strong gradients, scattered.
+Patches are 64 pixels wide at 720 pixels' width. */
+std::vector<PartTemplate> cutTemplates(const Mat& image, int count, int features);
+
+namespace {
 
 inline SyntheticScene::Params sceneOf(Size size, int tools = 1, bool distortion = true)
 {
@@ -27,7 +40,8 @@ inline SyntheticScene::Params sceneOf(Size size, int tools = 1, bool distortion 
 // A view of the built-in tool in a scene, as the tracker gets it.
 struct View
 {
-    explicit View(Size size, int tools = 1) : scene(SyntheticScene::create(Ptr<ToolModel>(), sceneOf(size, tools))), camera(scene->camera()), tools_(tools)
+    explicit View(Size size, int tools = 1, const Ptr<ToolModel>& model = Ptr<ToolModel>())
+        : scene(SyntheticScene::create(model, sceneOf(size, tools))), camera(scene->camera()), tools_(tools)
     {
         scene->render(0, image);
         for (int i = 0; i < tools; i++)

@@ -37,7 +37,7 @@ struct Player
     std::vector<ToolEstimate> estimates;
 };
 
-PERF_TEST_P(Size_Tools_Tracker, update, testing::Combine(SURGTRACK_SIZES, testing::Values(1, 2)))
+PERF_TEST_P(Size_Tools_Tracker, update, testing::Combine(SURGTRACK_SIZES, testing::Values(1, 2, 4)))
 {
     Player player(get<0>(GetParam()), get<1>(GetParam()));
     for (int i = 0; i < 20 && (i < 3 || player.estimates[0].state != STATE_TRACKING); i++) player.next();
