@@ -94,9 +94,12 @@ code=0
 env -u DISPLAY timeout -k 10 1800 "$BUILD_DIR/bin/opencv_perf_surgtrack" --perf_threads=1 --perf_strategy=simple \
   --perf_min_samples="$samples" --perf_force_samples="$samples" --gtest_output="xml:$report.xml" \
   --gtest_filter="$("$PYTHON" "$REPO/misc/compare_peers.py" --filter)" >"$LOGS/peers.log" 2>&1 || code=$?
-[[ $code -eq 0 ]] || { grep -a -E "\[  FAILED  \]|Failure|exception" "$LOGS/peers.log" >&2 || true; die "opencv_perf_surgtrack failed with exit code $code (log: $LOGS/peers.log)"; }
+if [[ $code -ne 0 ]]; then
+  grep -a -E '\[  FAILED  \]|Failure|xception' "$LOGS/peers.log" >&2 || true
+  die "opencv_perf_surgtrack failed with exit code $code (log: $LOGS/peers.log)"
+fi
 
 step "Ours and theirs"
-"$PYTHON" "$REPO/misc/compare_peers.py" "$report.xml" "$report.md" "$report.csv"
+"$PYTHON" "$REPO/misc/compare_peers.py" "$report.xml" "$report.md" "$report.csv" || die "no table could be made of $report.xml"
 echo
 echo "$report.md"

@@ -122,6 +122,14 @@ Ptr<ToolModel> tool(const std::string& cad)
     return model;
 }
 
+Mat drawn(const SyntheticScene::Params& params, int frame)
+{
+    static std::map<String, Mat> images;
+    Mat& image = images[format("%d %d %d %d %d", params.imageSize.width, params.imageSize.height, params.tools, params.distortion, frame)];
+    if (image.empty()) SyntheticScene::create(Ptr<ToolModel>(), params)->render(frame, image);
+    return image.clone();
+}
+
 std::vector<PartTemplate> cutTemplates(const Mat& image, int count, int features)
 {
     const int half = cvRound(32 * image.cols / 720.);

@@ -33,7 +33,7 @@ struct Drawing
         return Rect(size.width / 2 - side / 2, size.height / 2 - side / 2, side, side) & Rect(Point(), size);
     }
 
-    View view;
+    Pose view;
     Ptr<MeshRenderer> renderer;
     std::vector<MeshInstance> instances;
     Rendering rendering;

@@ -13,7 +13,7 @@ typedef TestBaseWithParam<tuple<Size, std::string> > Size_CAD_PartTemplates;
 PERF_TEST_P(Size_Tools_PartTemplates, render, testing::Combine(SURGTRACK_SIZES, testing::Values(1, 2, 4)))
 {
     const int tools = get<1>(GetParam());
-    const View view(get<0>(GetParam()), tools);
+    const Pose view(get<0>(GetParam()), tools);
     Ptr<PartTemplateRenderer> renderer = PartTemplateRenderer::create();
     for (int i = 0; i < tools; i++) renderer->addTool(view.scene->model());
     std::vector<PartTemplate> templates;
@@ -25,7 +25,7 @@ PERF_TEST_P(Size_Tools_PartTemplates, render, testing::Combine(SURGTRACK_SIZES, 
 
 PERF_TEST_P(Size_CAD_PartTemplates, render, testing::Combine(SURGTRACK_SIZES, SURGTRACK_CAD))
 {
-    const View view(get<0>(GetParam()), 1, tool(get<1>(GetParam())));
+    const Pose view(get<0>(GetParam()), 1, tool(get<1>(GetParam())));
     Ptr<PartTemplateRenderer> renderer = PartTemplateRenderer::create();
     renderer->addTool(view.scene->model());
     std::vector<PartTemplate> templates;

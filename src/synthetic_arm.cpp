@@ -64,7 +64,7 @@ void SyntheticArm::place()
     const double side = tool_ % 2 == 0 ? 1 : -1, height = tool_ < 2 ? -1 : 1;
     // The arms enter beside the endoscope, from the upper right and left, then the lower, and point at their part of the view.
     const Vec3d jitter(rng.uniform(-0.003, 0.003), rng.uniform(-0.003, 0.003), rng.uniform(-0.003, 0.003));
-    const Vec3d base = Vec3d(side * 0.079, height * 0.067, 0.011) + jitter;
+    const Vec3d base = Vec3d(side * 0.079, height * (params_.tools <= 2 ? 0.067 : 0.040), 0.011) + jitter;
     const Vec3d workspace = params_.tools == 1 ? Vec3d(0.002, 0.003, 0.097) :
                             params_.tools == 2 ? Vec3d(side * 0.014, 0.003 + side * 0.003, 0.099) : Vec3d(side * 0.017, height * 0.010, 0.099);
     const Vec3d z = normalize(base - workspace), x = normalize(Vec3d(-side * z[2], 0, side * z[0])), y = z.cross(x);
