@@ -66,7 +66,7 @@ void SyntheticArm::place()
     const Vec3d jitter(rng.uniform(-0.003, 0.003), rng.uniform(-0.003, 0.003), rng.uniform(-0.003, 0.003));
     const Vec3d base = Vec3d(side * 0.079, height * (params_.tools <= 2 ? 0.067 : 0.040), 0.011) + jitter;
     const Vec3d workspace = params_.tools == 1 ? Vec3d(0.002, 0.003, 0.097) :
-                            params_.tools == 2 ? Vec3d(side * 0.014, 0.003 + side * 0.003, 0.099) : Vec3d(side * 0.017, height * 0.010, 0.099);
+                            params_.tools == 2 ? Vec3d(side * 0.014, 0.003 + side * 0.003, 0.099) : Vec3d(side * 0.017, height * 0.013, 0.099);
     const Vec3d z = normalize(base - workspace), x = normalize(Vec3d(-side * z[2], 0, side * z[0])), y = z.cross(x);
     const Matx33d R(x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]);
     camera_T_base = rigid(R, base);
