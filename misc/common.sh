@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Shared by demo.sh and test.sh: packages, OpenCV's source, configuration and build. To be sourced, not run.
+# Shared by demo.sh, test.sh and compare_peers.sh: packages, OpenCV's source, configuration and build. To be sourced, not run.
 
 set -Eeuo pipefail
 trap 'echo "error: ${BASH_SOURCE[0]}, line $LINENO: $BASH_COMMAND" >&2' ERR
@@ -16,6 +16,13 @@ if [[ -z "${SURGTRACK_DATA:-}" && -d "$REPO/../shared/data" ]]; then
   SURGTRACK_DATA="$(cd "$REPO/../shared/data" && pwd -P)"
   export SURGTRACK_DATA
 fi
+
+# What is built; another script may want something else.
+# shellcheck disable=SC2054
+CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO"
+  -DBUILD_LIST=surgtrack,ts,python3,python_tests -DBUILD_EXAMPLES=ON
+  -DBUILD_TESTS=ON -DOPENCV_BUILD_TEST_MODULES_LIST=surgtrack
+  -DBUILD_opencv_python3=ON "-DPYTHON3_EXECUTABLE=$PYTHON")
 
 # What Debian 12 needs. The last two let VTK render without a display; xvfb and xauth test it with one.
 PACKAGES=(build-essential dpkg-dev cmake ninja-build ccache libvtk9-dev libeigen3-dev
@@ -201,15 +208,12 @@ has_avx2() {
 # Runs cmake if the configuration or the list of the module's files has changed since the last time.
 configure() {
   local options=() off stamp="$BUILD_DIR/surgtrack-configuration" wanted log="$LOGS/configure.log" cached
-  # shellcheck disable=SC2054
   options=(-G Ninja -S "$OPENCV_SOURCE" -B "$BUILD_DIR" -DCMAKE_BUILD_TYPE=Release
-    "-DOPENCV_EXTRA_MODULES_PATH=$REPO" "-DOPENCV_DOWNLOAD_PATH=$BUILD_DIR/.cache"
+    "-DOPENCV_DOWNLOAD_PATH=$BUILD_DIR/.cache"
     -DOPENCV_VCSVERSION=unknown -DBUILD_INFO_SKIP_EXTRA_MODULES=ON   # else each commit here would rebuild OpenCV's core
-    -DBUILD_LIST=surgtrack,ts,python3,python_tests -DBUILD_EXAMPLES=ON
-    -DBUILD_TESTS=ON -DOPENCV_BUILD_TEST_MODULES_LIST=surgtrack
+    "${CONFIGURATION[@]}"
     -DBUILD_PERF_TESTS=ON -DOPENCV_BUILD_PERF_TEST_MODULES_LIST=surgtrack
-    -DBUILD_opencv_python3=ON "-DPYTHON3_EXECUTABLE=$PYTHON" -DBUILD_opencv_python2=OFF
-    -DBUILD_JAVA=OFF -DBUILD_DOCS=OFF -DBUILD_opencv_apps=OFF -DENABLE_PRECOMPILED_HEADERS=OFF -DWITH_FFMPEG=ON)
+    -DBUILD_opencv_python2=OFF -DBUILD_JAVA=OFF -DBUILD_DOCS=OFF -DBUILD_opencv_apps=OFF -DENABLE_PRECOMPILED_HEADERS=OFF -DWITH_FFMPEG=ON)
   for off in ADE IPP ITT QUIRC OPENCL PROTOBUF CUDA 1394 GSTREAMER GTK QT LAPACK TIFF WEBP OPENJPEG JASPER OPENEXR GDAL \
     VA VA_INTEL V4L EIGEN VTK; do
     options+=("-DWITH_$off=OFF")
@@ -247,7 +251,7 @@ configure() {
     grep 'opencv_surgtrack disabled' "$log" >&2 || true
     die "the module is disabled: VTK 9 and Eigen 3.3 are needed (log: $log)"
   fi
-  [[ "$cached" == *";opencv_python3;"* ]] ||
+  [[ "$cached" == *";opencv_python3;"* || " ${CONFIGURATION[*]} " == *" -DBUILD_opencv_python3=OFF "* ]] ||
     die "OpenCV's Python bindings are unavailable: $PYTHON needs its headers and numpy (log: $log)"
   grep -Eq 'FFMPEG: +YES' "$log" || die "OpenCV did not find FFmpeg's libraries, videos could not be read (log: $log)"
   printf '%s\n' "$wanted" >"$stamp"
@@ -263,12 +267,16 @@ ensure_ccache() {
   fi
 }
 
-# build TARGET...: everything that is needed to have these targets up to date in BUILD_DIR.
-build() {
+# Gets ready to build: packages, OpenCV's source, ccache.
+prepare() {
   mkdir -p "$LOGS"
   ensure_tools
   ensure_source
   ensure_ccache
+}
+
+# build TARGET...: everything that is needed to have these targets up to date in BUILD_DIR.
+build() {
   configure
   step "Building ($JOBS jobs)"
   export NINJA_STATUS='[%f/%t %es] '

@@ -40,6 +40,7 @@ fi
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 DEMO_DIR="${DEMO_DIR:-$REPO/demo}"
 
+prepare
 build opencv_surgtrack opencv_samples_surgtrack opencv_python3
 
 mkdir -p "$DEMO_DIR" || die "cannot make the folder $DEMO_DIR"

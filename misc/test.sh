@@ -166,6 +166,7 @@ run_samples() {
   count "samples" "$sample_passed" "$sample_failed" 0
 }
 
+prepare
 build opencv_surgtrack opencv_test_surgtrack opencv_perf_surgtrack opencv_samples_surgtrack opencv_python3
 
 if [[ -n "${SURGTRACK_DATA:-}" ]]; then

@@ -8,12 +8,28 @@
 #include "perf_precomp.hpp"
 #include "opencv2/imgproc.hpp"
 
-namespace opencv_test { namespace {
+namespace opencv_test {
 
 using namespace cv::surgtrack;
 
-// An endoscope's image, and a full HD one.
-#define SURGTRACK_SIZES testing::Values(Size(720, 576), Size(1920, 1080))
+// The images of endoscopes.
+#define SURGTRACK_SIZES testing::Values(Size(720, 576), Size(1280, 1024), Size(1920, 1080))
+
+// CAD models by their number of triangles, and the real one, for tool().
+#define SURGTRACK_CAD testing::Values("12k", "80k", "1M", "SURGTRACK_DATA")
+
+/* A tool as a user gets it, from a file by ToolModel::load(): "12k", "80k", "1M" = the built-in tool with that many triangles,
+"SURGTRACK_DATA" = the Large Needle Driver of the data folder (the test is skipped without it). Made once. */
+Ptr<ToolModel> tool(const std::string& cad);
+
+// A frame of a scene with the built-in tool. Drawn once.
+Mat drawn(const SyntheticScene::Params& params, int frame);
+
+/* Templates cut from an image, at its strongest corners. Features as cv::linemod chooses them: strong gradients, scattered.
+Patches are 64 pixels wide at 720 pixels' width. */
+std::vector<PartTemplate> cutTemplates(const Mat& image, int count, int features);
+
+namespace {
 
 inline SyntheticScene::Params sceneOf(Size size, int tools = 1, bool distortion = true)
 {
@@ -21,15 +37,20 @@ inline SyntheticScene::Params sceneOf(Size size, int tools = 1, bool distortion 
     params.imageSize = size;
     params.tools = tools;
     params.distortion = distortion;
+    if (tools > 2)    // so that every tool finds a start: what is measured is tracking
+    {
+        params.handEyeRotation /= 3;
+        params.handEyeTranslation /= 3;
+    }
     return params;
 }
 
-// A view of the built-in tool in a scene, as the tracker gets it.
-struct View
+// Tools in a scene at its first frame.
+struct Pose
 {
-    explicit View(Size size, int tools = 1) : scene(SyntheticScene::create(Ptr<ToolModel>(), sceneOf(size, tools))), camera(scene->camera()), tools_(tools)
+    explicit Pose(Size size, int tools = 1, const Ptr<ToolModel>& model = Ptr<ToolModel>())
+        : scene(SyntheticScene::create(model, sceneOf(size, tools))), camera(scene->camera())
     {
-        scene->render(0, image);
         for (int i = 0; i < tools; i++)
         {
             ToolView view;
@@ -39,11 +60,21 @@ struct View
         }
     }
 
+    Ptr<SyntheticScene> scene;
+    CameraModel camera;
+    std::vector<ToolView> views;
+};
+
+// The same and its image, as the tracker gets it.
+struct View : Pose
+{
+    explicit View(Size size, int tools = 1) : Pose(size, tools), image(drawn(sceneOf(size, tools), 0)) {}
+
     // Templates of the first tool.
     std::vector<PartTemplate> templates() const
     {
         Ptr<PartTemplateRenderer> renderer = PartTemplateRenderer::create();
-        for (int i = 0; i < tools_; i++) renderer->addTool(scene->model());
+        for (size_t i = 0; i < views.size(); i++) renderer->addTool(scene->model());
         std::vector<PartTemplate> result;
         renderer->render(camera, views, 0, result);
         return result;
@@ -59,13 +90,7 @@ struct View
         return result;
     }
 
-    Ptr<SyntheticScene> scene;
-    CameraModel camera;
     Mat image;
-    std::vector<ToolView> views;
-
-private:
-    int tools_;
 };
 
 }} // namespace

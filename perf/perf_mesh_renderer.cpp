@@ -7,10 +7,11 @@
 namespace opencv_test { namespace {
 
 typedef TestBaseWithParam<Size> Size_MeshRenderer;
+typedef TestBaseWithParam<tuple<Size, std::string> > Size_CAD_MeshRenderer;
 
 struct Drawing
 {
-    explicit Drawing(Size size) : view(size), renderer(MeshRenderer::createSoftware())
+    explicit Drawing(Size size, const Ptr<ToolModel>& tool = Ptr<ToolModel>()) : view(size, 1, tool), renderer(MeshRenderer::createSoftware())
     {
         const Ptr<ToolModel> model = view.scene->model();
         for (size_t i = 0; i < model->links().size(); i++)
@@ -24,7 +25,15 @@ struct Drawing
         }
     }
 
-    View view;
+    // As for templates: around the tool's wrist.
+    Rect window() const
+    {
+        const Size size = view.camera.imageSize();
+        const int side = cvRound(300 * size.width / 720.);
+        return Rect(size.width / 2 - side / 2, size.height / 2 - side / 2, side, side) & Rect(Point(), size);
+    }
+
+    Pose view;
     Ptr<MeshRenderer> renderer;
     std::vector<MeshInstance> instances;
     Rendering rendering;
@@ -40,12 +49,30 @@ PERF_TEST_P(Size_MeshRenderer, softwareWholeImage, SURGTRACK_SIZES)
     SANITY_CHECK_NOTHING();
 }
 
-// As for templates: around the tool's wrist.
 PERF_TEST_P(Size_MeshRenderer, softwareWindow, SURGTRACK_SIZES)
 {
     Drawing d(GetParam());
-    const int side = cvRound(300 * GetParam().width / 720.);
-    const Rect window = Rect(GetParam().width / 2 - side / 2, GetParam().height / 2 - side / 2, side, side) & Rect(Point(), GetParam());
+    const Rect window = d.window();
+    d.renderer->render(d.view.camera, window, d.instances, d.rendering);
+    TEST_CYCLE() d.renderer->render(d.view.camera, window, d.instances, d.rendering);
+    ASSERT_GT(countNonZero(d.rendering.ids), 1000);
+    SANITY_CHECK_NOTHING();
+}
+
+PERF_TEST_P(Size_CAD_MeshRenderer, softwareWholeImage, testing::Combine(SURGTRACK_SIZES, SURGTRACK_CAD))
+{
+    Drawing d(get<0>(GetParam()), tool(get<1>(GetParam())));
+    const Rect window(Point(), get<0>(GetParam()));
+    d.renderer->render(d.view.camera, window, d.instances, d.rendering);
+    TEST_CYCLE() d.renderer->render(d.view.camera, window, d.instances, d.rendering);
+    ASSERT_GT(countNonZero(d.rendering.ids), 1000);
+    SANITY_CHECK_NOTHING();
+}
+
+PERF_TEST_P(Size_CAD_MeshRenderer, softwareWindow, testing::Combine(SURGTRACK_SIZES, SURGTRACK_CAD))
+{
+    Drawing d(get<0>(GetParam()), tool(get<1>(GetParam())));
+    const Rect window = d.window();
     d.renderer->render(d.view.camera, window, d.instances, d.rendering);
     TEST_CYCLE() d.renderer->render(d.view.camera, window, d.instances, d.rendering);
     ASSERT_GT(countNonZero(d.rendering.ids), 1000);

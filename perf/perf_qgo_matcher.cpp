@@ -43,4 +43,17 @@ PERF_TEST_P(Size_QGOMatcher, matchInTheWholeImage, SURGTRACK_SIZES)
     SANITY_CHECK_NOTHING();
 }
 
+// As many and as small as cv::linemod is used with; see perf_peers.cpp.
+PERF_TEST_P(Size_QGOMatcher, match28Of63FeaturesInTheWholeImage, SURGTRACK_SIZES)
+{
+    const View view(GetParam(), 2);
+    const std::vector<PartTemplate> templates = cutTemplates(view.image, 28, 63);
+    Ptr<QGOMatcher> matcher = QGOMatcher::create();
+    matcher->setImage(view.image);
+    std::vector<PartMatch> matches;
+    TEST_CYCLE() matcher->match(templates, std::vector<Rect>(), matches);
+    ASSERT_GE(matches.size(), templates.size());
+    SANITY_CHECK_NOTHING();
+}
+
 }} // namespace

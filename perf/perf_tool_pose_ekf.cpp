@@ -9,7 +9,7 @@ namespace opencv_test { namespace {
 typedef TestBaseWithParam<Size> Size_EKF;
 
 // All keypoints of a tool and where they are seen.
-void measure(const View& view, Mat& points, Mat& image)
+void measure(const Pose& view, Mat& points, Mat& image)
 {
     const Ptr<ToolModel> model = view.scene->model();
     points.create(int(model->keypoints().size()), 3, CV_64F);
@@ -26,7 +26,7 @@ void measure(const View& view, Mat& points, Mat& image)
 // The prediction and the update with 14 keypoints; the size only says which camera.
 PERF_TEST_P(Size_EKF, update, SURGTRACK_SIZES)
 {
-    const View view(GetParam());
+    const Pose view(GetParam());
     Mat points, image;
     measure(view, points, image);
     Ptr<ToolPoseEKF> filter = ToolPoseEKF::create(view.camera);
@@ -42,7 +42,7 @@ PERF_TEST_P(Size_EKF, update, SURGTRACK_SIZES)
 
 PERF_TEST_P(Size_EKF, solveEPnP, SURGTRACK_SIZES)
 {
-    const View view(GetParam());
+    const Pose view(GetParam());
     Mat points, image;
     measure(view, points, image);
     Matx44d camera_T_nominal;

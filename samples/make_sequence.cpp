@@ -14,7 +14,7 @@ static const char* const KEYS =
     "{ help h           |     | print this }"
     "{ out              |     | folder to write; is made if it does not exist }"
     "{ tool             |     | tool file; without it the built-in needle driver }"
-    "{ tools            | 1   | number of tools, 1 or 2 }"
+    "{ tools            | 1   | number of tools, 1 to 4 }"
     "{ frames           | 100 | number of frames }"
     "{ seed             | 1   | all that is random follows from it }"
     "{ width            | 720 | of the image [pixel] }"
@@ -48,7 +48,7 @@ int main(int argc, char** argv)
         if (folder.empty())
             common::fail("expected --out=DIR, see --help");
         SyntheticScene::Params params;
-        params.tools = common::integer(parser, "tools", 1, 2);
+        params.tools = common::integer(parser, "tools", 1, 4);
         params.frames = common::integer(parser, "frames", 1);
         params.seed = common::integer(parser, "seed", 0);
         params.imageSize = Size(common::integer(parser, "width", 64, 8192), common::integer(parser, "height", 64, 8192));

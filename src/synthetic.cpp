@@ -162,7 +162,7 @@ SyntheticScene::Params::Params()
 
 Ptr<SyntheticScene> SyntheticScene::create(const Ptr<ToolModel>& model, const SyntheticScene::Params& params)
 {
-    CV_Assert((params.tools == 1 || params.tools == 2) && "Params::tools must be 1 or 2");
+    CV_Check(params.tools, params.tools >= 1 && params.tools <= 4, "Params::tools must be 1..4");
     CV_CheckGT(params.frames, 0, "Params::frames");
     CV_CheckGE(params.imageSize.width, 64, "Params::imageSize");
     CV_CheckGE(params.imageSize.height, 64, "Params::imageSize");

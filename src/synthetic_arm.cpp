@@ -61,11 +61,12 @@ SyntheticArm::SyntheticArm(const Ptr<ToolModel>& model, const SyntheticScene::Pa
 void SyntheticArm::place()
 {
     RNG rng = makeRng(params_.seed, STREAM_HAND_EYE, tool_);
-    const double side = tool_ == 0 ? 1 : -1;
-    // The arms enter beside the endoscope, one from the right, one from the left, and point at their part of the view.
+    const double side = tool_ % 2 == 0 ? 1 : -1, height = tool_ < 2 ? -1 : 1;
+    // The arms enter beside the endoscope, from the upper right and left, then the lower, and point at their part of the view.
     const Vec3d jitter(rng.uniform(-0.003, 0.003), rng.uniform(-0.003, 0.003), rng.uniform(-0.003, 0.003));
-    const Vec3d base = Vec3d(side * 0.079, -0.067, 0.011) + jitter;
-    const Vec3d workspace = params_.tools == 1 ? Vec3d(0.002, 0.003, 0.097) : Vec3d(side * 0.014, 0.003 + side * 0.003, 0.099);
+    const Vec3d base = Vec3d(side * 0.079, height * (params_.tools <= 2 ? 0.067 : 0.040), 0.011) + jitter;
+    const Vec3d workspace = params_.tools == 1 ? Vec3d(0.002, 0.003, 0.097) :
+                            params_.tools == 2 ? Vec3d(side * 0.014, 0.003 + side * 0.003, 0.099) : Vec3d(side * 0.017, height * 0.013, 0.099);
     const Vec3d z = normalize(base - workspace), x = normalize(Vec3d(-side * z[2], 0, side * z[0])), y = z.cross(x);
     const Matx33d R(x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]);
     camera_T_base = rigid(R, base);
@@ -107,7 +108,7 @@ void SyntheticArm::makeMotion()
         Motion& m = motion_[i];
         if (i != 2)
             m.centre = i == 3 ? rng.uniform(-0.5, 0.5) : i == 6 ? 0.45 : 0;
-        m.amplitude = AMPLITUDE[i] * shortness * (params_.tools == 2 && i < 2 ? 0.7 : 1);
+        m.amplitude = AMPLITUDE[i] * shortness * (i >= 2 || params_.tools == 1 ? 1 : params_.tools == 2 ? 0.7 : 0.5);
         m.cycles[0] = std::max(1, cvRound(duration * rng.uniform(0.15, 0.3)));
         m.cycles[1] = m.cycles[0] + std::max(1, cvRound(duration * rng.uniform(0.1, 0.3)));
         m.phases[0] = rng.uniform(0., 1.);
@@ -133,7 +134,7 @@ std::vector<double> SyntheticArm::recordedJoints(double time) const
     const double weight = record - (double)before;
     for (int j = 0; j < 2; j++)
     {
-        RNG rng = makeRng(params_.seed, STREAM_WHITE, 2 * (uint64)(before + j) + tool_);
+        RNG rng = makeRng(params_.seed, STREAM_WHITE, 2 * (uint64)(before + j) + tool_ % 2 + ((uint64)(tool_ / 2) << 48));
         for (int i = 0; i < COORDINATES; i++)
             joints[coordinates[i]] += (j ? weight : 1 - weight) * params_.jointNoise * rng.gaussian(WHITE[i]);
     }

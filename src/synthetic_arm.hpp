@@ -38,7 +38,7 @@ class SyntheticArm
 public:
     enum { COORDINATES = 7 };    // q1..q6 and jaw
 
-    //! @param tool index: arm 0 enters from the right, arm 1 from the left
+    //! @param tool index: arm 0 enters from the upper right, 1 from the upper left, 2 from the lower right, 3 from the lower left
     SyntheticArm(const Ptr<ToolModel>& model, const SyntheticScene::Params& params, int tool);
 
     std::vector<double> trueJoints(double time) const;

@@ -72,24 +72,56 @@ TEST(SurgTrack_Synthetic, handEyeErrorHasTheSizeAskedFor)
 TEST(SurgTrack_Synthetic, toolsStayInViewAndApart)
 {
     for (int seed = 0; seed < 10; seed++)
-    {
-        SyntheticScene::Params params = smallScene();
-        params.seed = seed;
-        params.tools = 2;
-        params.frames = 100;
-        const Ptr<SyntheticScene> scene = makeScene(params);
-        const Rect2d image(Point2d(), Size2d(params.imageSize));
-        for (int frame = 0; frame < params.frames; frame += 3)
+        for (int tools = 2; tools <= 4; tools++)
         {
-            const Matx44d a = scene->truePose(0, frame / params.fps), b = scene->truePose(1, frame / params.fps);
-            // 9 mm: more than the width of a tool.
-            EXPECT_GT(cv::norm(Vec3d(a(0, 3) - b(0, 3), a(1, 3) - b(1, 3), a(2, 3) - b(2, 3))), 0.009);
-            EXPECT_TRUE(image.contains(scene->camera().project(Point3d(a(0, 3), a(1, 3), a(2, 3)))));
-            EXPECT_TRUE(image.contains(scene->camera().project(Point3d(b(0, 3), b(1, 3), b(2, 3)))));
-            EXPECT_GT(a(2, 3), 0.06);
-            EXPECT_LT(a(2, 3), 0.13);
+            SyntheticScene::Params params = smallScene();
+            params.seed = seed;
+            params.tools = tools;
+            params.frames = 100;
+            const Ptr<SyntheticScene> scene = makeScene(params);
+            ASSERT_EQ(tools, scene->toolCount());
+            const Rect2d image(Point2d(), Size2d(params.imageSize));
+            for (int frame = 0; frame < params.frames; frame += 3)
+            {
+                std::vector<Point3d> ends;
+                for (int i = 0; i < tools; i++)
+                {
+                    const Matx44d T = scene->truePose(i, frame / params.fps);
+                    const Point3d end(T(0, 3), T(1, 3), T(2, 3));
+                    // 9 mm: more than the width of a tool.
+                    for (size_t k = 0; k < ends.size(); k++) EXPECT_GT(cv::norm(end - ends[k]), 0.009);
+                    ends.push_back(end);
+                    EXPECT_TRUE(image.contains(scene->camera().project(end)));
+                    EXPECT_GT(end.z, 0.06);
+                    EXPECT_LT(end.z, 0.13);
+                }
+            }
         }
-    }
+}
+
+// Each tool's noise is its own: were a stream shared, two arms would err alike.
+TEST(SurgTrack_Synthetic, readingsOfDifferentArmsErrDifferently)
+{
+    SyntheticScene::Params params = smallScene();
+    params.tools = 4;
+    const Ptr<SyntheticScene> scene = makeScene(params);
+    // Bias and drift hardly change from record to record (100 Hz); what does is the white noise.
+    std::vector<std::vector<double> > noise(4);
+    for (int i = 0; i < 4; i++)
+        for (int record = 0; record < 20; record++)
+        {
+            const double time = record / 100.;
+            noise[i].push_back(scene->recordedJoints(i, time)[4] - scene->trueJoints(i, time)[4]);
+        }
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < i; k++)
+            for (int lag = -1; lag <= 1; lag++)
+            {
+                int alike = 0;
+                for (int record = 2; record < 19; record++)
+                    alike += std::abs((noise[i][record] - noise[i][record - 1]) - (noise[k][record + lag] - noise[k][record + lag - 1])) < 1e-5;
+                EXPECT_LT(alike, 4);    // chance: differences of 8e-4 agree to 1e-5 once in a hundred times
+            }
 }
 
 // The tool's outline in the image is where the renderer, given the true pose, draws it.
@@ -242,7 +274,9 @@ TEST_F(SurgTrack_SyntheticFolder, errorNamesTheFolderThatCannotBeMade)
 TEST(SurgTrack_Synthetic, refusesParametersOutOfRange)
 {
     SyntheticScene::Params params;
-    params.tools = 3;
+    params.tools = 5;
+    EXPECT_THROW(makeScene(params), cv::Exception);
+    params.tools = 0;
     EXPECT_THROW(makeScene(params), cv::Exception);
     params = SyntheticScene::Params();
     params.fps = 0;

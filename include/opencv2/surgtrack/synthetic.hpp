@@ -23,7 +23,7 @@ public:
     struct CV_EXPORTS_W_SIMPLE Params
     {
         CV_WRAP Params();
-        CV_PROP_RW int tools;                  //!< 1 or 2
+        CV_PROP_RW int tools;                  //!< 1..4
         CV_PROP_RW int frames;                 //!< length; the motion is periodic in it
         CV_PROP_RW int seed;
         CV_PROP_RW Size imageSize;             //!< [pixel]; write() needs an even width and height
