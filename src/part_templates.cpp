@@ -238,7 +238,7 @@ void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vect
     rendering_.shading.convertTo(picture_, CV_8U, 1 - ambient, 255 * ambient);
     picture_.setTo(background, rendering_.ids == 0);
     orientations_.create(picture_.size(), CV_8UC1);
-    quantize(picture_, Rect(Point(), picture_.size()), squaredMagnitude(params_.magnitudeThreshold), orientations_, workspace_);
+    quantize(picture_, Rect(Point(), picture_.size()), leastStrength(params_.magnitudeThreshold), orientations_, workspace_);
 
     for (size_t i = 0; i < parts.size(); i++)
     {

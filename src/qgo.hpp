@@ -11,12 +11,12 @@
 namespace cv { namespace surgtrack {
 
 //! The threshold of quantizeOrientations() in the kernels' units.
-int squaredMagnitude(double magnitudeThreshold);
+int leastStrength(double magnitudeThreshold);
 
 /** quantizeOrientations() of a window that lies in the image.
 @param orientations of the window's size
 @param workspace memory that is kept from call to call */
-void quantize(const Mat& image, const Rect& window, int squaredThreshold, Mat& orientations, std::vector<uchar>& workspace);
+void quantize(const Mat& image, const Rect& window, int leastStrength, Mat& orientations, std::vector<uchar>& workspace);
 
 //! spreadOrientations(); dst is not src.
 void spread(const Mat& src, Mat& dst, int size, std::vector<uchar>& workspace);
@@ -29,7 +29,7 @@ void similarities(const uchar* planes, size_t step, const int* offsets, int feat
 
 // The definitions, pixel by pixel; what the fast kernels are tested against.
 namespace plain {
-void quantize(const Mat& image, const Rect& window, int squaredThreshold, Mat& orientations);
+void quantize(const Mat& image, const Rect& window, int leastStrength, Mat& orientations);
 void spread(const Mat& src, Mat& dst, int size);
 void response(const Mat& bits, int bin, Mat& dst);
 } // namespace plain

@@ -66,7 +66,7 @@ void QGOMatcherImpl::setImage(InputArray _image, const Rect& roi)
     if (roi_.empty()) return;
     orientations_.create(roi_.size(), CV_8UC1);
     spread_.create(roi_.size(), CV_8UC1);
-    quantize(image, roi_, squaredMagnitude(params_.magnitudeThreshold), orientations_, workspace_);
+    quantize(image, roi_, leastStrength(params_.magnitudeThreshold), orientations_, workspace_);
     spread(orientations_, spread_, params_.spread, workspace_);
     responses(spread_.ptr(), spread_.step, roi_.size(), &planes_[margin_ * step_ + margin_], step_, planeSize_);
 }
