@@ -154,6 +154,21 @@ void similarities(const uchar* planes, size_t step, const int* offsets, int feat
     CV_CPU_DISPATCH(similarityKernel, (planes, step, offsets, features, window, sums), CV_CPU_DISPATCH_MODES_ALL);
 }
 
+void coarseResponses(const Mat& spread, Point tl, Size cells, uchar* planes, size_t planeStep, size_t planeSize, std::vector<uchar>& workspace)
+{
+    CV_CPU_DISPATCH(coarseKernel, (spread, tl, cells, planes, planeStep, planeSize, workspace), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+int atLeast(const ushort* values, int n, int least, int* indices)
+{
+    CV_CPU_DISPATCH(atLeastKernel, (values, n, least, indices), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+void cellSimilarities(const uchar* bits, size_t step, const CellFeature* features, int n, ushort* sums)
+{
+    CV_CPU_DISPATCH(cellKernel, (bits, step, features, n, sums), CV_CPU_DISPATCH_MODES_ALL);
+}
+
 void quantizeOrientations(InputArray _image, const Rect& window, OutputArray _orientations, double magnitudeThreshold)
 {
     const Mat image = _image.getMat();

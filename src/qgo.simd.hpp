@@ -16,6 +16,9 @@ void quantizeKernel(const Mat& image, const Rect& window, int leastStrength, Mat
 void spreadKernel(const Mat& src, Mat& dst, int size, std::vector<uchar>& workspace);
 void responseKernel(const uchar* bits, size_t bitsStep, Size size, uchar* planes, size_t planeStep, size_t planeSize);
 void similarityKernel(const uchar* planes, size_t step, const int* offsets, int features, Size window, ushort* sums);
+void coarseKernel(const Mat& spread, Point tl, Size cells, uchar* planes, size_t planeStep, size_t planeSize, std::vector<uchar>& workspace);
+int atLeastKernel(const ushort* values, int n, int least, int* indices);
+void cellKernel(const uchar* bits, size_t step, const CellFeature* features, int n, ushort* sums);
 
 #ifndef CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
 
@@ -430,6 +433,112 @@ void similarityKernel(const uchar* planes, size_t step, const int* offsets, int 
         }
 #endif
     }
+}
+
+void coarseKernel(const Mat& spread, Point tl, Size cells, uchar* planes, size_t planeStep, size_t planeSize, std::vector<uchar>& workspace)
+{
+    // Pixels of the image's columns, OR-ed down five rows, four empty ones before them, as many as a vector of cells needs behind.
+    const int n = 4 * cells.width, before = 4;
+    const size_t length = size_t(n) + 8 * slack;
+    if (workspace.size() < 3 * length) workspace.resize(3 * length);
+    uchar* column = &workspace[0];
+    uchar *phases[2] = {column + length, column + 2 * length};
+    std::fill(column, column + length, uchar(0));
+    const int count = cells.width + 1;   // of cells in a row, from -1 on
+    for (int y = -4; y < 4 * cells.height; y += 2)
+    {
+        const int top = std::max(y, tl.y) - tl.y, bottom = std::min(y + 5, tl.y + spread.rows) - tl.y;
+        uchar* inside = column + before + tl.x;
+        if (top >= bottom) std::fill(inside, inside + spread.cols, uchar(0));
+        else std::copy(spread.ptr(top), spread.ptr(top) + spread.cols, inside);
+        for (int j = top + 1; j < bottom; j++)
+        {
+            const uchar* row = spread.ptr(j);
+            int x = 0;
+#if CV_SIMD
+            for (; x <= spread.cols - lanes<v_uint8>(); x += lanes<v_uint8>()) v_store(inside + x, bor(vx_load(inside + x), vx_load(row + x)));
+#endif
+            for (; x < spread.cols; x++) inside[x] |= row[x];
+        }
+        uchar* dst = planes + ((y + 4) >> 2) * planeStep + (y & 2) * planeSize;
+        int x = 0;
+#if CV_SIMD
+        for (; x < count; x += lanes<v_uint8>())
+        {
+            v_uint8 a, b, c, d, e, unused0, unused1, unused2;
+            v_load_deinterleave(column + 4 * x, a, b, c, d);
+            v_load_deinterleave(column + 4 * x + 4, e, unused0, unused1, unused2);
+            const v_uint8 even = bor(bor(bor(a, b), bor(c, d)), e);
+            v_store(phases[0] + x, even);
+            // pixels 2..6 of a cell: its last two, and the first three of the next
+            v_store(phases[1] + x, bor(bor(bor(c, d), bor(e, unused0)), unused1));
+        }
+#else
+        for (; x < count; x++)
+        {
+            const uchar* p = column + 4 * x;
+            phases[0][x] = p[0] | p[1] | p[2] | p[3] | p[4];
+            phases[1][x] = p[2] | p[3] | p[4] | p[5] | p[6];
+        }
+#endif
+        for (int phase = 0; phase < 2; phase++) responseKernel(phases[phase], 0, Size(count, 1), dst + phase * planeSize, 0, 4 * planeSize);
+    }
+}
+
+int atLeastKernel(const ushort* values, int n, int least, int* indices)
+{
+    int count = 0, i = 0;
+#if CV_SIMD
+    const int step = lanes<v_uint16>();
+    const v_uint16 bound = vx_setall_u16(ushort(least));
+    for (; i <= n - step; i += step)
+    {
+        const v_uint16 v = vx_load(values + i);
+        if (!v_check_any(equal(v_max(v, bound), v))) continue;
+        for (int j = i; j < i + step; j++)
+            if (values[j] >= least) indices[count++] = j;
+    }
+#endif
+    for (; i < n; i++)
+        if (values[i] >= least) indices[count++] = i;
+    return count;
+}
+
+void cellKernel(const uchar* bits, size_t step, const CellFeature* features, int n, ushort* sums)
+{
+#if CV_SIMD128
+    const v_uint8x16 one = v_setall_u8(1);
+    v_uint16x8 lo = v_setzero_u16(), hi = v_setzero_u16();
+    // 3 for the orientation itself, and 1 for it or a neighbour: counted apart, a byte holds 255 features.
+    for (int first = 0; first < n; first += 255)
+    {
+        v_uint8x16 exact = v_setzero_u8(), wide = v_setzero_u8();
+        for (int i = first; i < std::min(first + 255, n); i++)
+        {
+            const uchar* p = bits + features[i].offset;
+            unsigned rows[4];
+            for (int j = 0; j < 4; j++) memcpy(rows + j, p + j * step, 4);
+            const v_uint8x16 b = v_reinterpret_as_u8(v_uint32x4(rows[0], rows[1], rows[2], rows[3]));
+            exact = add(exact, v_min(band(b, v_setall_u8(features[i].same)), one));
+            wide = add(wide, v_min(band(b, v_setall_u8(features[i].wide)), one));
+        }
+        v_uint16x8 e0, e1, w0, w1;
+        v_expand(exact, e0, e1);
+        v_expand(wide, w0, w1);
+        lo = add(add(lo, w0), add(e0, add(e0, e0)));
+        hi = add(add(hi, w1), add(e1, add(e1, e1)));
+    }
+    v_store(sums, lo);
+    v_store(sums + 8, hi);
+#else
+    for (int k = 0; k < 16; k++)
+    {
+        const uchar* at = bits + (k >> 2) * step + (k & 3);
+        int sum = 0;
+        for (int i = 0; i < n; i++) sum += at[features[i].offset] & features[i].same ? 4 : at[features[i].offset] & features[i].wide ? 1 : 0;
+        sums[k] = ushort(sum);
+    }
+#endif
 }
 
 #endif   // CV_CPU_OPTIMIZATION_DECLARATIONS_ONLY
