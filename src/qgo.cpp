@@ -159,6 +159,11 @@ void coarseResponses(const Mat& spread, Point tl, Size cells, uchar* planes, siz
     CV_CPU_DISPATCH(coarseKernel, (spread, tl, cells, planes, planeStep, planeSize, workspace), CV_CPU_DISPATCH_MODES_ALL);
 }
 
+int greatest(const ushort* values, int n)
+{
+    CV_CPU_DISPATCH(greatestKernel, (values, n), CV_CPU_DISPATCH_MODES_ALL);
+}
+
 int atLeast(const ushort* values, int n, int least, int* indices)
 {
     CV_CPU_DISPATCH(atLeastKernel, (values, n, least, indices), CV_CPU_DISPATCH_MODES_ALL);

@@ -28,13 +28,15 @@ void responses(const uchar* bits, size_t bitsStep, Size size, uchar* planes, siz
 void similarities(const uchar* planes, size_t step, const int* offsets, int features, Size window, ushort* sums);
 
 /** The coarse responses of a whole-image search: an upper bound of all responses that the 4 x 4 places of a cell can get from a
-feature. Feature offset f = 2 F + r, r = 0 or 1, and place 4 g + s, s = 0..3, give the pixel 2 (2 g + F) + 0..4, so five spread
-pixels each way are OR-ed. The response of cell g to F lies in the plane bin * 4 + (F.y & 1) * 2 + (F.x & 1), at g + (F >> 1).
+feature. Feature offset f = 4 F + r and place 4 g + s, both r and s in 0..3, give the pixel 4 (g + F) + 0..6: seven spread
+pixels each way are OR-ed. The response of cell g to F lies in the bin's plane at g + F.
 @param spread bits of a region of the image
 @param tl where the region lies in the image
 @param cells columns and rows of cells, ceil(image size / 4)
-@param planes cell (-1, -1) of the first plane; one column and row of cells before the image see into it. Rows may be overrun by zeros. */
+@param planes cell (-2, -2) of the first plane: those before the image see into it. Rows may be overrun by zeros. */
 void coarseResponses(const Mat& spread, Point tl, Size cells, uchar* planes, size_t planeStep, size_t planeSize, std::vector<uchar>& workspace);
+
+int greatest(const ushort* values, int n);
 
 //! Indices of the values that are at least, in their order; indices has room for all. @return how many
 int atLeast(const ushort* values, int n, int least, int* indices);

@@ -17,6 +17,7 @@ void spreadKernel(const Mat& src, Mat& dst, int size, std::vector<uchar>& worksp
 void responseKernel(const uchar* bits, size_t bitsStep, Size size, uchar* planes, size_t planeStep, size_t planeSize);
 void similarityKernel(const uchar* planes, size_t step, const int* offsets, int features, Size window, ushort* sums);
 void coarseKernel(const Mat& spread, Point tl, Size cells, uchar* planes, size_t planeStep, size_t planeSize, std::vector<uchar>& workspace);
+int greatestKernel(const ushort* values, int n);
 int atLeastKernel(const ushort* values, int n, int least, int* indices);
 void cellKernel(const uchar* bits, size_t step, const CellFeature* features, int n, ushort* sums);
 
@@ -360,15 +361,16 @@ void responseKernel(const uchar* bits, size_t bitsStep, Size size, uchar* planes
         int x = 0;
 #if CV_SIMD
         const int step = lanes<v_uint8>();
-        const v_uint8 zero = vx_setzero_u8(), one = vx_setall_u8(1), four = vx_setall_u8(4);
+        const v_uint8 one = vx_setall_u8(1);
         for (; x <= size.width - step; x += step)
         {
             const v_uint8 b = vx_load(src + x);
             for (int bin = 0; bin < 8; bin++)
             {
-                const v_uint8 noSame = equal(band(b, vx_setall_u8(uchar(1 << bin))), zero);
-                const v_uint8 noNext = equal(band(b, vx_setall_u8(uchar(1 << ((bin + 1) & 7) | 1 << ((bin + 7) & 7)))), zero);
-                v_store(dst + bin * planeSize + x, v_select(noSame, v_select(noNext, zero, one), four));
+                // 3 for the orientation itself, and 1 for it or a neighbour
+                const int same = 1 << bin, wide = same | 1 << ((bin + 1) & 7) | 1 << ((bin + 7) & 7);
+                const v_uint8 exact = v_min(band(b, vx_setall_u8(uchar(same))), one);
+                v_store(dst + bin * planeSize + x, add(add(v_min(band(b, vx_setall_u8(uchar(wide))), one), exact), add(exact, exact)));
             }
         }
 #endif
@@ -382,72 +384,83 @@ void responseKernel(const uchar* bits, size_t bitsStep, Size size, uchar* planes
 }
 
 /* Sums the responses of a template's features for every place of a window: sums(y, x) = sum over i of
-   planes[offsets[i] + y * step + x]. Responses are at most 4, so 63 of them fit into 8 bits: 63 * 4 = 252. Reads up to a
-   vector beyond the end of each row. */
+   planes[offsets[i] + y * step + x]. Responses are at most 4, so 63 of them fit into 8 bits: 63 * 4 = 252. Four rows at a time
+   share the loads of offsets; at the end some are the last one again. Reads up to a vector beyond the end of each row. */
 void similarityKernel(const uchar* planes, size_t step, const int* offsets, int features, Size window, ushort* sums)
 {
-    for (int y = 0; y < window.height; y++)
+    for (int y = 0; y < window.height; y += 4)
     {
-        const uchar* row = planes + y * step;
-        ushort* out = sums + size_t(y) * window.width;
+        const uchar* row[4];
+        ushort* out[4];
+        for (int k = 0; k < 4; k++)
+        {
+            const size_t at = std::min(y + k, window.height - 1);
+            row[k] = planes + at * step;
+            out[k] = sums + at * window.width;
+        }
 #if CV_SIMD
         const int lanes8 = lanes<v_uint8>(), lanes16 = lanes<v_uint16>();
         for (int x = 0; x < window.width; x += lanes8)
         {
-            v_uint16 lo = vx_setzero_u16(), hi = vx_setzero_u16();
+            v_uint16 lo[4], hi[4];
+            for (int k = 0; k < 4; k++) lo[k] = hi[k] = vx_setzero_u16();
             for (int first = 0; first < features; first += 63)
             {
-                const int last = std::min(first + 63, features);
-                v_uint8 even = vx_setzero_u8(), odd = vx_setzero_u8();
-                int i = first;
-                for (; i < last - 1; i += 2)
+                v_uint8 s0 = vx_setzero_u8(), s1 = vx_setzero_u8(), s2 = vx_setzero_u8(), s3 = vx_setzero_u8();
+                for (int i = first; i < std::min(first + 63, features); i++)
                 {
-                    even = add(even, vx_load(row + x + offsets[i]));
-                    odd = add(odd, vx_load(row + x + offsets[i + 1]));
+                    const ptrdiff_t at = offsets[i] + x;
+                    s0 = add(s0, vx_load(row[0] + at));
+                    s1 = add(s1, vx_load(row[1] + at));
+                    s2 = add(s2, vx_load(row[2] + at));
+                    s3 = add(s3, vx_load(row[3] + at));
                 }
-                if (i < last) even = add(even, vx_load(row + x + offsets[i]));
-                v_uint16 l, h;
-                v_expand(add(even, odd), l, h);
-                lo = add(lo, l);
-                hi = add(hi, h);
+                const v_uint8 s[4] = {s0, s1, s2, s3};
+                for (int k = 0; k < 4; k++)
+                {
+                    v_uint16 l, h;
+                    v_expand(s[k], l, h);
+                    lo[k] = add(lo[k], l);
+                    hi[k] = add(hi[k], h);
+                }
             }
-            if (x + lanes8 <= window.width)
+            for (int k = 0; k < 4; k++)
             {
-                v_store(out + x, lo);
-                v_store(out + x + lanes16, hi);
-            }
-            else
-            {
+                if (x + lanes8 <= window.width)
+                {
+                    v_store(out[k] + x, lo[k]);
+                    v_store(out[k] + x + lanes16, hi[k]);
+                    continue;
+                }
                 ushort end[CV_SIMD_WIDTH];
-                v_store(end, lo);
-                v_store(end + lanes16, hi);
-                std::copy(end, end + window.width - x, out + x);
+                v_store(end, lo[k]);
+                v_store(end + lanes16, hi[k]);
+                std::copy(end, end + window.width - x, out[k] + x);
             }
         }
 #else
-        for (int x = 0; x < window.width; x++)
-        {
-            int sum = 0;
-            for (int i = 0; i < features; i++) sum += row[x + offsets[i]];
-            out[x] = ushort(sum);
-        }
+        for (int k = 0; k < 4; k++)
+            for (int x = 0; x < window.width; x++)
+            {
+                int sum = 0;
+                for (int i = 0; i < features; i++) sum += row[k][x + offsets[i]];
+                out[k][x] = ushort(sum);
+            }
 #endif
     }
 }
 
 void coarseKernel(const Mat& spread, Point tl, Size cells, uchar* planes, size_t planeStep, size_t planeSize, std::vector<uchar>& workspace)
 {
-    // Pixels of the image's columns, OR-ed down five rows, four empty ones before them, as many as a vector of cells needs behind.
-    const int n = 4 * cells.width, before = 4;
-    const size_t length = size_t(n) + 8 * slack;
-    if (workspace.size() < 3 * length) workspace.resize(3 * length);
-    uchar* column = &workspace[0];
-    uchar *phases[2] = {column + length, column + 2 * length};
+    // Pixels of the image's columns, OR-ed down seven rows, two cells of empty ones before them, as many as a vector of cells needs behind.
+    const int before = 8, count = cells.width + 2;   // of cells in a row, from -2 on
+    const size_t length = 4 * size_t(count) + 8 * slack;
+    if (workspace.size() < 2 * length) workspace.resize(2 * length);
+    uchar *column = &workspace[0], *merged = column + length;
     std::fill(column, column + length, uchar(0));
-    const int count = cells.width + 1;   // of cells in a row, from -1 on
-    for (int y = -4; y < 4 * cells.height; y += 2)
+    for (int cell = -2; cell < cells.height; cell++)
     {
-        const int top = std::max(y, tl.y) - tl.y, bottom = std::min(y + 5, tl.y + spread.rows) - tl.y;
+        const int top = std::max(4 * cell, tl.y) - tl.y, bottom = std::min(4 * cell + 7, tl.y + spread.rows) - tl.y;
         uchar* inside = column + before + tl.x;
         if (top >= bottom) std::fill(inside, inside + spread.cols, uchar(0));
         else std::copy(spread.ptr(top), spread.ptr(top) + spread.cols, inside);
@@ -460,29 +473,36 @@ void coarseKernel(const Mat& spread, Point tl, Size cells, uchar* planes, size_t
 #endif
             for (; x < spread.cols; x++) inside[x] |= row[x];
         }
-        uchar* dst = planes + ((y + 4) >> 2) * planeStep + (y & 2) * planeSize;
         int x = 0;
 #if CV_SIMD
         for (; x < count; x += lanes<v_uint8>())
         {
-            v_uint8 a, b, c, d, e, unused0, unused1, unused2;
+            v_uint8 a, b, c, d, e, f, g, unused;
             v_load_deinterleave(column + 4 * x, a, b, c, d);
-            v_load_deinterleave(column + 4 * x + 4, e, unused0, unused1, unused2);
-            const v_uint8 even = bor(bor(bor(a, b), bor(c, d)), e);
-            v_store(phases[0] + x, even);
-            // pixels 2..6 of a cell: its last two, and the first three of the next
-            v_store(phases[1] + x, bor(bor(bor(c, d), bor(e, unused0)), unused1));
+            v_load_deinterleave(column + 4 * x + 4, e, f, g, unused);
+            v_store(merged + x, bor(bor(bor(a, b), bor(c, d)), bor(bor(e, f), g)));
         }
 #else
         for (; x < count; x++)
         {
             const uchar* p = column + 4 * x;
-            phases[0][x] = p[0] | p[1] | p[2] | p[3] | p[4];
-            phases[1][x] = p[2] | p[3] | p[4] | p[5] | p[6];
+            merged[x] = p[0] | p[1] | p[2] | p[3] | p[4] | p[5] | p[6];
         }
 #endif
-        for (int phase = 0; phase < 2; phase++) responseKernel(phases[phase], 0, Size(count, 1), dst + phase * planeSize, 0, 4 * planeSize);
+        responseKernel(merged, 0, Size(count, 1), planes + (cell + 2) * planeStep, 0, planeSize);
     }
+}
+
+int greatestKernel(const ushort* values, int n)
+{
+    int greatest = 0, i = 0;
+#if CV_SIMD
+    v_uint16 most = vx_setzero_u16();
+    for (; i <= n - lanes<v_uint16>(); i += lanes<v_uint16>()) most = v_max(most, vx_load(values + i));
+    greatest = v_reduce_max(most);
+#endif
+    for (; i < n; i++) greatest = std::max(greatest, int(values[i]));
+    return greatest;
 }
 
 int atLeastKernel(const ushort* values, int n, int least, int* indices)

@@ -345,7 +345,7 @@ void QGOMatcherImpl::prepareCoarse(const std::vector<PartTemplate>& templates)
         reach = std::max(std::max(reach, std::max(-r.x, -r.y)), std::max(r.x + r.width, r.y + r.height));
     }
     // A feature further away than the image is wide and high never lies in it, wherever the keypoint does.
-    const int margin = std::min(reach, std::max(imageSize_.width, imageSize_.height)) / 4 + 2;
+    const int margin = std::min(reach, std::max(imageSize_.width, imageSize_.height)) / 4 + 3;
     const Size cells((imageSize_.width + 3) / 4, (imageSize_.height + 3) / 4);
     const size_t step = cells.width + 2 * margin, planeSize = step * (cells.height + 2 * margin) + overrun;
     if (coarseReady_ && margin <= coarseMargin_) return;
@@ -355,14 +355,14 @@ void QGOMatcherImpl::prepareCoarse(const std::vector<PartTemplate>& templates)
         coarseMargin_ = margin;
         coarseStep_ = step;
         coarsePlaneSize_ = planeSize;
-        CV_CheckLT(32 * planeSize, size_t(INT_MAX), "the image is too large, windows are needed");
-        coarse_.assign(32 * planeSize + overrun, 0);
+        CV_CheckLT(8 * planeSize, size_t(INT_MAX), "the image is too large, windows are needed");
+        coarse_.assign(8 * planeSize + overrun, 0);
         cellIndices_.resize(cells.area());
         similarity_.resize(std::max(similarity_.size(), size_t(cells.area())));
     }
     cellMap_.setImage(imageSize_, spread_, roi_);
     if (!roi_.empty())
-        coarseResponses(spread_, roi_.tl(), cells, &coarse_[0] + (coarseMargin_ - 1) * (coarseStep_ + 1), coarseStep_, coarsePlaneSize_, workspace_);
+        coarseResponses(spread_, roi_.tl(), cells, &coarse_[0] + (coarseMargin_ - 2) * (coarseStep_ + 1), coarseStep_, coarsePlaneSize_, workspace_);
     else std::fill(coarse_.begin(), coarse_.end(), uchar(0));
 }
 
@@ -377,29 +377,35 @@ void QGOMatcherImpl::search(const PartTemplate& t)
     for (size_t i = 0; i < t.features.size(); i++)
     {
         const TemplateFeature& f = t.features[i];
-        const int x = f.x >> 1, y = f.y >> 1;   // rounds down
         if (std::abs(int(f.x)) >= 4 * coarseMargin_ - 4 || std::abs(int(f.y)) >= 4 * coarseMargin_ - 4) continue;
-        offsets_.push_back(int((f.bin * 4 + (y & 1) * 2 + (x & 1)) * coarsePlaneSize_ + (y >> 1) * (ptrdiff_t)coarseStep_) + (x >> 1));
+        offsets_.push_back(int(f.bin * coarsePlaneSize_ + (f.y >> 2) * (ptrdiff_t)coarseStep_) + (f.x >> 2));   // rounded down
     }
     if (offsets_.empty()) return;
     similarity_.resize(std::max(similarity_.size(), size_t(cells.area())));
     similarities(&coarse_[0] + coarseMargin_ * (coarseStep_ + 1), coarseStep_, &offsets_[0], int(offsets_.size()), cells, &similarity_[0]);
 
-    const double full = 4. * double(t.features.size());
-    double weakest = std::max(1., params_.minSimilarity * full);
-    const int count = atLeast(&similarity_[0], cells.area(), cvCeil(weakest), &cellIndices_[0]);
-    queue_.resize(count);
-    for (int i = 0; i < count; i++) queue_[i] = uint64(similarity_[cellIndices_[i]]) << 32 | (0xffffffffu - unsigned(cellIndices_[i]));
-    std::make_heap(queue_.begin(), queue_.end());
-    int best = 0;
-    for (int i = 0; i < most && !queue_.empty(); i++)
+    const ushort* bounds = &similarity_[0];
+    double weakest = std::max(1., params_.minSimilarity * 4. * double(t.features.size()));
+    int best = 0, evaluated = 0;
+    // What the most promising cell holds makes the list of the others shorter.
+    const int greatestBound = greatest(bounds, cells.area());
+    if (greatestBound < weakest) return;
+    for (int pass = 0; pass < 2; pass++)
     {
-        const int bound = int(queue_.front() >> 32);
-        if (bound < weakest || (bound < best && i >= enough)) break;
-        best = std::max(best, cellMap_.evaluate(int(0xffffffffu - unsigned(queue_.front()))));
-        weakest = std::max(weakest, params_.relativeSimilarity * best);
-        std::pop_heap(queue_.begin(), queue_.end());
-        queue_.pop_back();
+        const int count = atLeast(bounds, cells.area(), pass == 0 ? greatestBound : cvCeil(weakest), &cellIndices_[0]);
+        queue_.resize(count);
+        for (int i = 0; i < count; i++) queue_[i] = uint64(bounds[cellIndices_[i]]) << 32 | (0xffffffffu - unsigned(cellIndices_[i]));
+        std::make_heap(queue_.begin(), queue_.end());
+        while (!queue_.empty() && evaluated < most)
+        {
+            const int bound = int(queue_.front() >> 32);
+            if (bound < weakest || (bound < best && evaluated >= enough)) break;
+            best = std::max(best, cellMap_.evaluate(int(0xffffffffu - unsigned(queue_.front()))));
+            weakest = std::max(weakest, params_.relativeSimilarity * best);
+            evaluated++;
+            std::pop_heap(queue_.begin(), queue_.end());
+            queue_.pop_back();
+        }
     }
 }
 
@@ -461,26 +467,27 @@ void QGOMatcherImpl::match(const std::vector<PartTemplate>& templates, const std
     found_.clear();
     const Rect all(Point(), imageSize_);
     Rect needed;
+    bool anyWhole = false;
     for (size_t i = 0; i < templates.size(); i++)
     {
         CV_CheckLE(templates[i].features.size(), size_t(65535 / 4), "too many features in a template");
-        const Rect window = windows.empty() ? Rect() : windows[i] & all;
-        if (!window.empty() && !templates[i].features.empty()) needed |= reachIn(templates[i], window);
+        const Rect window = windows.empty() ? all : windows[i] & all;
+        if (window == all) anyWhole = true;
+        else if (!window.empty() && !templates[i].features.empty()) needed |= reachIn(templates[i], window);
     }
-    if (windows.empty()) prepareCoarse(templates);
-    else prepareResponses(needed);
+    if (anyWhole) prepareCoarse(templates);
+    prepareResponses(needed);
     for (size_t i = 0; i < templates.size(); i++)
     {
         const PartTemplate& t = templates[i];
-        if (t.features.empty()) continue;
-        if (windows.empty())
+        const Rect window = windows.empty() ? all : windows[i] & all;
+        if (window.empty() || t.features.empty()) continue;
+        if (window == all)
         {
             search(t);
             selectCandidates(cellMap_, t, int(i), all);
             continue;
         }
-        const Rect window = windows[i] & all;
-        if (window.empty()) continue;
         similarity(t, window);
         DenseMap map(&similarity_[0], window.size());
         selectCandidates(map, t, int(i), window);
