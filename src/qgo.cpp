@@ -56,7 +56,7 @@ static int orientationBin(int gx, int gy)
     return (gx < 0) != (gy < 0) ? (8 - bin) & 7 : bin;
 }
 
-// The squared length of a gradient, 1/16 of that in grey levels; halved halves are cut off.
+// The squared Sobel magnitude in grey levels, divided by 16; each square's fraction is cut off.
 static int strength(int gx, int gy)
 {
     return (16 * gx * gx >> 16) + (16 * gy * gy >> 16);

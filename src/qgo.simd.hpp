@@ -155,8 +155,8 @@ inline const Gradient& strongest(Gradient* g)
 
 inline v_int16 times2(const v_int16& a) { return add(a, a); }
 
-/* One bit for the direction of a gradient modulo 180 degrees, and whether it is strong; see plain::orientationBin(). 4 * 7758
-   is less than 2^15, 5 * 7758 is not: 5 a > b is asked as 4 a > b - a. */
+/* One bit for the direction of a gradient modulo 180 degrees, and whether it is strong; see plain::orientationBin(). 4 * 7690
+   is less than 2^15, 5 * 7690 is not: 5 a > b is asked as 4 a > b - a. */
 inline void orient(const Gradient& g, const v_int16& belowStrength, v_int16& bit, v_int16& strong)
 {
     const v_uint16 ux = v_abs(g.x), uy = v_abs(g.y);
