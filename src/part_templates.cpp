@@ -277,7 +277,7 @@ void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vect
     renderer_->render(camera, window, instances_, rendering_, boxes_);
     light();
     orientations_ = take(orientationMemory_, window.size());
-    quantize(picture_, Rect(Point(), picture_.size()), squaredMagnitude(params_.magnitudeThreshold), orientations_, workspace_);
+    quantize(picture_, Rect(Point(), picture_.size()), leastStrength(params_.magnitudeThreshold), orientations_, workspace_);
 
     // Features are swapped, not copied, between these and the caller's templates of the frame before.
     size_t kept = 0;

@@ -8,9 +8,9 @@
 #include "qgo.simd_declarations.hpp"   // defines CV_CPU_DISPATCH_MODES_ALL
 
 // Integer arithmetic throughout, so that every implementation gives the same bits.
-//   blurred   7x7 binomial-like kernel, 10 bits (4 x grey level)
-//   gx, gy    3x3 Sobel of blurred, at most 4080 in magnitude
-//   bin       direction modulo 180 degrees; the bounds 11.25 and 33.75 degrees are 16-bit fractions
+//   blurred   [1 4 7 8 7 4 1] / 32 each way, sigma 1.41: across, rounded to 4 x grey level, then down, to 16 x
+//   gx, gy    3x3 Sobel of blurred, 16 x, at most 7650 in magnitude and less than 40 more by rounding
+//   bin       direction modulo 180 degrees; its bounds are those of 1/5 and 2/3, 11.31 and 33.69 degrees
 
 namespace cv { namespace surgtrack {
 
@@ -23,41 +23,46 @@ void checkImage(const Mat& image)
 
 namespace plain {
 
-// One channel of the window and its border, blurred; rows are the window's plus 2 * border.
+// One channel of an area, blurred.
 static void blur(const Mat& image, int channel, const Rect& area, Mat_<ushort>& blurred)
 {
-    static const int kernel[7] = {2, 7, 14, 18, 14, 7, 2};   // sums to 64; sigma 1.4
-    blurred.create(area.size());
-    std::vector<int> column(area.width + 6);
+    static const int kernel[7] = {1, 4, 7, 8, 7, 4, 1};
     const int channels = image.channels();
-    for (int y = 0; y < area.height; y++)
+    Mat_<ushort> across(area.height + 6, area.width);
+    for (int y = 0; y < across.rows; y++)
     {
-        std::fill(column.begin(), column.end(), 8);
-        for (int j = 0; j < 7; j++)
+        const uchar* row = image.ptr(std::min(std::max(area.y + y - 3, 0), image.rows - 1)) + channel;
+        for (int x = 0; x < across.cols; x++)
         {
-            const uchar* row = image.ptr(std::min(std::max(area.y + y + j - 3, 0), image.rows - 1)) + channel;
-            for (int x = 0; x < area.width + 6; x++)
-                column[x] += kernel[j] * row[channels * std::min(std::max(area.x + x - 3, 0), image.cols - 1)];
-        }
-        for (int x = 0; x < area.width + 6; x++) column[x] >>= 4;
-        for (int x = 0; x < area.width; x++)
-        {
-            int sum = 32;
-            for (int j = 0; j < 7; j++) sum += kernel[j] * column[x + j];
-            blurred(y, x) = ushort(sum >> 6);
+            int sum = 4;
+            for (int j = 0; j < 7; j++) sum += kernel[j] * row[channels * std::min(std::max(area.x + x + j - 3, 0), image.cols - 1)];
+            across(y, x) = ushort(sum >> 3);
         }
     }
+    blurred.create(area.size());
+    for (int y = 0; y < area.height; y++)
+        for (int x = 0; x < area.width; x++)
+        {
+            int sum = 4;
+            for (int j = 0; j < 7; j++) sum += kernel[j] * across(y + j, x);
+            blurred(y, x) = ushort(sum >> 3);
+        }
 }
 
 static int orientationBin(int gx, int gy)
 {
-    const int ax = std::abs(gx) << 3, ay = std::abs(gy) << 3;
-    const int bin = ((ax * 13036 >> 16) < ay) + ((ax * 43790 >> 16) < ay)    // tan 11.25, tan 33.75
-                    + ((ay * 43790 >> 16) > ax) + ((ay * 13036 >> 16) > ax);
+    const int ax = std::abs(gx), ay = std::abs(gy);
+    const int bin = (5 * ay > ax) + (3 * ay > 2 * ax) + (2 * ay > 3 * ax) + (ay > 5 * ax);
     return (gx < 0) != (gy < 0) ? (8 - bin) & 7 : bin;
 }
 
-void quantize(const Mat& image, const Rect& window, int squaredThreshold, Mat& orientations)
+// The squared Sobel magnitude in grey levels, divided by 16; each square's fraction is cut off.
+static int strength(int gx, int gy)
+{
+    return (16 * gx * gx >> 16) + (16 * gy * gy >> 16);
+}
+
+void quantize(const Mat& image, const Rect& window, int leastStrength, Mat& orientations)
 {
     // Sobel and vote reach one pixel each.
     const Rect area(window.x - 2, window.y - 2, window.width + 4, window.height + 4);
@@ -79,7 +84,7 @@ void quantize(const Mat& image, const Rect& window, int squaredThreshold, Mat& o
                 if (size > best) best = size, gx = dx, gy = dy;
             }
             bins(y, x) = uchar(orientationBin(gx, gy));
-            strong(y, x) = gx * gx + gy * gy >= squaredThreshold;
+            strong(y, x) = strength(gx, gy) >= leastStrength;
         }
 
     for (int y = 0; y < window.height; y++)
@@ -123,15 +128,15 @@ void response(const Mat& bits, int bin, Mat& dst)
 
 } // namespace plain
 
-int squaredMagnitude(double magnitudeThreshold)
+int leastStrength(double magnitudeThreshold)
 {
     CV_Check(magnitudeThreshold, magnitudeThreshold >= 0 && magnitudeThreshold < 1e4, "magnitudeThreshold must be in 0..10000");
-    return cvCeil(16 * magnitudeThreshold * magnitudeThreshold);   // the blurred image holds 4 x grey level
+    return std::min(cvCeil(magnitudeThreshold * magnitudeThreshold / 16), int(SHRT_MAX));   // no gradient is that strong
 }
 
-void quantize(const Mat& image, const Rect& window, int squaredThreshold, Mat& orientations, std::vector<uchar>& workspace)
+void quantize(const Mat& image, const Rect& window, int leastStrength, Mat& orientations, std::vector<uchar>& workspace)
 {
-    CV_CPU_DISPATCH(quantizeKernel, (image, window, squaredThreshold, orientations, workspace), CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(quantizeKernel, (image, window, leastStrength, orientations, workspace), CV_CPU_DISPATCH_MODES_ALL);
 }
 
 void spread(const Mat& src, Mat& dst, int size, std::vector<uchar>& workspace)
@@ -149,6 +154,26 @@ void similarities(const uchar* planes, size_t step, const int* offsets, int feat
     CV_CPU_DISPATCH(similarityKernel, (planes, step, offsets, features, window, sums), CV_CPU_DISPATCH_MODES_ALL);
 }
 
+void coarseResponses(const Mat& spread, Point tl, Size cells, uchar* planes, size_t planeStep, size_t planeSize, std::vector<uchar>& workspace)
+{
+    CV_CPU_DISPATCH(coarseKernel, (spread, tl, cells, planes, planeStep, planeSize, workspace), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+int greatest(const ushort* values, int n)
+{
+    CV_CPU_DISPATCH(greatestKernel, (values, n), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+int atLeast(const ushort* values, int n, int least, int* indices)
+{
+    CV_CPU_DISPATCH(atLeastKernel, (values, n, least, indices), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+void cellSimilarities(const uchar* bits, size_t step, const CellFeature* features, int n, ushort* sums)
+{
+    CV_CPU_DISPATCH(cellKernel, (bits, step, features, n, sums), CV_CPU_DISPATCH_MODES_ALL);
+}
+
 void quantizeOrientations(InputArray _image, const Rect& window, OutputArray _orientations, double magnitudeThreshold)
 {
     const Mat image = _image.getMat();
@@ -159,7 +184,7 @@ void quantizeOrientations(InputArray _image, const Rect& window, OutputArray _or
     _orientations.create(window.size(), CV_8UC1);
     Mat orientations = _orientations.getMat();
     std::vector<uchar> workspace;
-    quantize(image, window, squaredMagnitude(magnitudeThreshold), orientations, workspace);
+    quantize(image, window, leastStrength(magnitudeThreshold), orientations, workspace);
 }
 
 void quantizeOrientations(InputArray image, OutputArray orientations, double magnitudeThreshold)

@@ -11,12 +11,12 @@
 namespace cv { namespace surgtrack {
 
 //! The threshold of quantizeOrientations() in the kernels' units.
-int squaredMagnitude(double magnitudeThreshold);
+int leastStrength(double magnitudeThreshold);
 
 /** quantizeOrientations() of a window that lies in the image.
 @param orientations of the window's size
 @param workspace memory that is kept from call to call */
-void quantize(const Mat& image, const Rect& window, int squaredThreshold, Mat& orientations, std::vector<uchar>& workspace);
+void quantize(const Mat& image, const Rect& window, int leastStrength, Mat& orientations, std::vector<uchar>& workspace);
 
 //! spreadOrientations(); dst is not src.
 void spread(const Mat& src, Mat& dst, int size, std::vector<uchar>& workspace);
@@ -27,9 +27,33 @@ void responses(const uchar* bits, size_t bitsStep, Size size, uchar* planes, siz
 //! sums(y, x) = sum over i of planes[offsets[i] + y * step + x], for a window; planes hold values up to 4.
 void similarities(const uchar* planes, size_t step, const int* offsets, int features, Size window, ushort* sums);
 
+/** The coarse responses of a whole-image search: an upper bound of all responses that the 4 x 4 places of a cell can get from a
+feature. Feature offset f = 4 F + r and place 4 g + s, both r and s in 0..3, give the pixel 4 (g + F) + 0..6: seven spread
+pixels each way are OR-ed. The response of cell g to F lies in the bin's plane at g + F.
+@param spread bits of a region of the image
+@param tl where the region lies in the image
+@param cells columns and rows of cells, ceil(image size / 4)
+@param planes cell (-2, -2) of the first plane: those before the image see into it. Rows may be overrun by zeros. */
+void coarseResponses(const Mat& spread, Point tl, Size cells, uchar* planes, size_t planeStep, size_t planeSize, std::vector<uchar>& workspace);
+
+int greatest(const ushort* values, int n);
+
+//! Indices of the values that are at least, in their order; indices has room for all. @return how many
+int atLeast(const ushort* values, int n, int least, int* indices);
+
+//! A feature for cellSimilarities(): where its pixel lies, from that of the cell; its bit, and with those of the neighbours.
+struct CellFeature
+{
+    int offset;
+    uchar same, wide;
+};
+
+//! Sums of the responses for the 4 x 4 places of a cell, row by row, from the spread bits.
+void cellSimilarities(const uchar* bits, size_t step, const CellFeature* features, int n, ushort* sums);
+
 // The definitions, pixel by pixel; what the fast kernels are tested against.
 namespace plain {
-void quantize(const Mat& image, const Rect& window, int squaredThreshold, Mat& orientations);
+void quantize(const Mat& image, const Rect& window, int leastStrength, Mat& orientations);
 void spread(const Mat& src, Mat& dst, int size);
 void response(const Mat& bits, int bin, Mat& dst);
 } // namespace plain

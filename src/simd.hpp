@@ -3,8 +3,8 @@
 // of this distribution and at http://opencv.org/license.html.
 
 // Arithmetic of OpenCV's universal intrinsics under one name for all versions: OpenCV 4.11 took away the operators of its
-// vector types, 4.6 does not have the functions yet. 16-bit add and sub saturate in old versions, wrap in new ones: callers
-// keep clear of both. For dispatched sources only.
+// vector types, 4.6 does not have the functions yet. add() and sub() of 8 and 16 bits
+// saturate. For dispatched sources only.
 
 namespace cv { namespace surgtrack {
 

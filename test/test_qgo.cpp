@@ -8,31 +8,30 @@ namespace opencv_test { namespace {
 
 // ---- The definitions, written down once more, pixel by pixel, with nothing shared with the module. ----
 
-// 7x7, sigma 1.4, to 4 x grey level: columns are rounded to 4 bits less, then rows to 6 bits less.
+// 7x7, sigma 1.41, to 16 x grey level: across, rounded to 4 x grey level, then down.
 int blurredAt(const Mat& image, int channel, int x, int y)
 {
-    static const int kernel[7] = {2, 7, 14, 18, 14, 7, 2};
+    static const int kernel[7] = {1, 4, 7, 8, 7, 4, 1};
     int sum = 0;
-    for (int i = -3; i <= 3; i++)
+    for (int j = -3; j <= 3; j++)
     {
-        int column = 0;
-        const int xi = cv::borderInterpolate(x + i, image.cols, BORDER_REPLICATE);
-        for (int j = -3; j <= 3; j++)
-            column += kernel[j + 3] * image.ptr(cv::borderInterpolate(y + j, image.rows, BORDER_REPLICATE), xi)[channel];
-        sum += kernel[i + 3] * ((column + 8) / 16);
+        int row = 0;
+        const int yj = cv::borderInterpolate(y + j, image.rows, BORDER_REPLICATE);
+        for (int i = -3; i <= 3; i++) row += kernel[i + 3] * image.ptr(yj, cv::borderInterpolate(x + i, image.cols, BORDER_REPLICATE))[channel];
+        sum += kernel[j + 3] * ((row + 4) / 8);
     }
-    return (sum + 32) / 64;
+    return (sum + 4) / 8;
 }
 
-// The bin of a gradient; its bounds are tan(11.25 degrees) and tan(33.75 degrees) in 16 bits.
+// The bin of a gradient; its bounds are slopes of 1/5 and 2/3, 11.31 and 33.69 degrees.
 int binOf(int gx, int gy)
 {
-    const int64 x = 8 * std::abs(gx), y = 8 * std::abs(gy), flat = 13036, steep = 43790;
+    const int x = std::abs(gx), y = std::abs(gy);
     int bin;
-    if (x * flat / 65536 >= y) bin = 0;
-    else if (x * steep / 65536 >= y) bin = 1;
-    else if (y * steep / 65536 <= x) bin = 2;
-    else if (y * flat / 65536 <= x) bin = 3;
+    if (5 * y <= x) bin = 0;
+    else if (3 * y <= 2 * x) bin = 1;
+    else if (2 * y <= 3 * x) bin = 2;
+    else if (y <= 5 * x) bin = 3;
     else bin = 4;
     const bool falling = (gx < 0) != (gy < 0);
     return falling && bin > 0 ? 8 - bin : bin;
@@ -65,7 +64,7 @@ Mat referenceQuantize(const Mat& image, double magnitudeThreshold)
                 }
                 if (std::abs(gx) + std::abs(gy) <= strongest) continue;   // the strongest channel by this sum, the first of equal ones
                 strongest = std::abs(gx) + std::abs(gy);
-                squares(y, x) = gx * gx + gy * gy;
+                squares(y, x) = gx * gx / 4096 + gy * gy / 4096;   // 256 x the square in grey levels, to 1/16 of it
                 bins(y, x) = binOf(gx, gy);
             }
         }
@@ -74,7 +73,7 @@ Mat referenceQuantize(const Mat& image, double magnitudeThreshold)
     for (int y = 0; y < image.rows; y++)
         for (int x = 0; x < image.cols; x++)
         {
-            if (squares(y + border, x + border) < 16 * magnitudeThreshold * magnitudeThreshold) continue;
+            if (16 * squares(y + border, x + border) < magnitudeThreshold * magnitudeThreshold) continue;
             int votes[8] = {0, 0, 0, 0, 0, 0, 0, 0};
             for (int j = -1; j <= 1; j++)
                 for (int i = -1; i <= 1; i++) votes[bins(y + border + j, x + border + i)]++;

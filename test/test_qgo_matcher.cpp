@@ -196,6 +196,90 @@ TEST(SurgTrack_QGOMatcher, findsPartsInTheWholeImage)
     EXPECT_EQ(templates.size(), seen.size());
 }
 
+// Matches of one template, in their order.
+std::vector<PartMatch> ofTemplate(const std::vector<PartMatch>& matches, size_t index)
+{
+    std::vector<PartMatch> result;
+    for (const PartMatch& m : matches)
+        if (m.templateIndex == int(index)) result.push_back(m);
+    return result;
+}
+
+TEST(SurgTrack_QGOMatcher, theWholeImageSearchFindsWhatTheDenseSearchFinds)
+{
+    const CameraModel camera = endoscope(true, Size(360, 288));
+    const PosedTool views[] = {PosedTool(), PosedTool(0.1, 0.3, 1.1, 0.35), PosedTool(0.12, 2.5, 1.1, -0.3)};
+    const Rect image(Point(), camera.imageSize());
+    Ptr<QGOMatcher> matcher = QGOMatcher::create();
+    size_t searches = 0, sameLists = 0;
+    for (const PosedTool& view : views)
+    {
+        const std::vector<PartTemplate> templates = templatesOf(camera, view);
+        for (int i = 0; i < 4; i++)
+        {
+            matcher->setImage(pictureOf(camera, view, Point(13 * i - 20, 7 * i - 11), 3, 20 + i));
+            std::vector<PartMatch> whole, dense;
+            matcher->match(templates, std::vector<Rect>(), whole);
+            // A window that is not quite the image is searched place by place.
+            matcher->match(templates, std::vector<Rect>(templates.size(), Rect(1, 0, image.width - 1, image.height)), dense);
+            for (size_t t = 0; t < templates.size(); t++)
+            {
+                const std::vector<PartMatch> a = ofTemplate(whole, t), b = ofTemplate(dense, t);
+                searches++;
+                ASSERT_EQ(b.empty(), a.empty()) << t;
+                if (b.empty()) continue;
+                EXPECT_EQ(b[0].similarity, a[0].similarity) << t;   // bounds of cells guarantee it
+                EXPECT_LT(cv::norm(b[0].imagePoint - a[0].imagePoint), 1e-9) << t;
+                bool same = a.size() == b.size();
+                for (size_t k = 0; k < std::min(a.size(), b.size()); k++)
+                {
+                    EXPECT_LE(a[k].similarity, b[k].similarity);    // never better than all places
+                    same = same && a[k].similarity == b[k].similarity && cv::norm(a[k].imagePoint - b[k].imagePoint) < 1e-9;
+                }
+                sameLists += same;
+            }
+        }
+    }
+    EXPECT_GT(searches, 80u);
+    EXPECT_GE(sameLists, 0.8 * double(searches)) << searches;   // weaker candidates come from fewer cells
+}
+
+TEST(SurgTrack_QGOMatcher, theWholeImageSearchFindsTheBestPlaceOfAnyTemplateInAnyRegion)
+{
+    RNG rng(77);
+    QGOMatcher::Params params;
+    params.magnitudeThreshold = 15;
+    params.minSimilarity = 0.01;
+    Ptr<QGOMatcher> matcher = QGOMatcher::create(params);
+    for (int round = 0; round < 150; round++)
+    {
+        const Size size(rng.uniform(1, 150), rng.uniform(1, 110));
+        const Rect all(Point(), size);
+        const Mat image = textured(size, round % 2 ? 3 : 1, 100 + round);
+        Rect roi;
+        if (round % 3 == 0) roi = Rect(rng.uniform(-20, 100), rng.uniform(-20, 70), rng.uniform(1, 90), rng.uniform(1, 90));
+        matcher->setImage(image, roi);
+        std::vector<PartTemplate> templates;
+        const int counts[] = {1, 63, 64, 300}, reaches[] = {3, 20, 60, 200};   // the last reach further than the image
+        for (int i = 0; i < 4; i++) templates.push_back(randomTemplate(counts[(round + i) % 4], reaches[i], rng));
+        std::vector<PartMatch> matches;
+        matcher->match(templates, std::vector<Rect>(), matches);
+        for (size_t i = 0; i < templates.size(); i++)
+        {
+            const std::vector<PartMatch> found = ofTemplate(matches, i);
+            Mat_<ushort> map;
+            matcher->similarityMap(templates[i], all, map);
+            const double best = *std::max_element(map.begin(), map.end()) / (4. * double(templates[i].features.size()));
+            if (best < 0.01) EXPECT_TRUE(found.empty()) << size << " " << roi;
+            else
+            {
+                ASSERT_FALSE(found.empty()) << size << " " << roi;
+                EXPECT_EQ(best, found[0].similarity) << size << " " << roi << " " << i;
+            }
+        }
+    }
+}
+
 TEST(SurgTrack_QGOMatcher, theSimilarityMapEqualsTheSumOverFeatures)
 {
     RNG rng(5);

@@ -14,7 +14,7 @@ namespace cv { namespace surgtrack {
 
 /** @brief Quantised gradient orientations (QGO) of an image (paper, Sec. 2.1; @cite hinterstoisser2012gradient).
 
-Blur (7x7, sigma 1.4), 3x3 Sobel in the channel whose gradient is strongest (largest |gx| + |gy|), direction modulo 180 degrees in eight bins of
+Blur (7x7, sigma 1.41), 3x3 Sobel in the channel whose gradient is strongest (largest |gx| + |gy|), direction modulo 180 degrees in eight bins of
 22.5 degrees (bin 0 is centred on a horizontal gradient), and a 3x3 vote: a pixel keeps an orientation if its gradient is
 strong enough and at least five of the nine pixels around it share one bin; it gets that bin. Integer arithmetic throughout.
 

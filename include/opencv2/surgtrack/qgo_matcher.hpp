@@ -30,7 +30,16 @@ struct CV_EXPORTS_W_SIMPLE PartMatch
 
 The similarity of a template at a place is the mean, over its features, of 1 where the spread image holds the feature's
 orientation, 1/4 where it holds a neighbouring one, else 0; sums of small integers over sliding windows, no per-pixel loop over
-features. */
+features.
+
+A window is searched place by place. The whole image is searched in cells of 4 x 4 places first, whose similarity bounds that of
+their places from above; cells are then looked into, the most promising first, until the best place found beats all bounds that
+are left. So the best match of a template is that of a search place by place, unless thousands of cells promise as much (a
+template that is nowhere in an image full of edges). Its further matches come from the cells that were looked into, at least
+eight a candidate if that many can hold one: they have the places and similarities they have, but one may be missed.
+
+Only what is asked for is made: responses of the area that windows need at the first match in windows, cells at the first search
+of the whole image. Memory is kept from image to image. */
 class CV_EXPORTS_W QGOMatcher
 {
 public:
@@ -55,7 +64,8 @@ public:
 
     /** @brief Finds templates in the prepared image. Features outside the prepared region count as not found.
     @param templates what to look for
-    @param windows where the keypoints of each template may be [pixel]; one per template, or none for the whole image
+    @param windows where the keypoints of each template may be [pixel]; one per template, or none for the whole image; a window
+    that holds the image is the whole image
     @param matches candidates, sorted by falling similarity */
     CV_WRAP virtual void match(const std::vector<PartTemplate>& templates, const std::vector<Rect>& windows,
                                CV_OUT std::vector<PartMatch>& matches) = 0;
