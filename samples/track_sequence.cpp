@@ -225,7 +225,6 @@ void prepare(const Options& options, Run& run)
     }
     if (run.sequence->hasGroundTruth())
         run.scorer = PoseScorer::create(run.sequence->leftCamera(), run.sequence->toolCount());
-    run.timings.resize(ToolTracker::timingNames().size());
 }
 
 void trackFrame(Run& run, int frame, const Mat& image, const std::vector<std::vector<double> >& joints, PoseWriter* writer,
@@ -233,9 +232,10 @@ void trackFrame(Run& run, int frame, const Mat& image, const std::vector<std::ve
 {
     const double time = frame / run.sequence->fps();
     run.tracker->update(image, time, joints, estimates);
-    const std::vector<double> timings = run.tracker->getTimings();
-    for (size_t i = 0; i < run.timings.size(); i++)
-        run.timings[i].push_back(timings[i]);
+    const std::vector<StageTime> times = run.tracker->getTimings();
+    run.timings.resize(times.size());
+    for (size_t i = 0; i < times.size(); i++)
+        run.timings[i].push_back(times[i].last);
     for (int i = 0; i < (int)run.tools.size(); i++)
     {
         run.tools[i].tracked += estimates[i].state == STATE_TRACKING;
@@ -304,13 +304,10 @@ void printSummary(const Run& run)
     for (size_t i = 0; i < run.tools.size(); i++)
         std::printf("  %-8s tracked in %.1f %% of the frames\n", run.tools[i].info.name.c_str(), 100. * run.tools[i].tracked / run.frames);
     std::printf("time a frame [ms]   median      95 %%\n");
-    const std::vector<String> names = ToolTracker::timingNames();
-    for (size_t i = 0; i < names.size(); i++)
-        std::printf("  %-14s %9.2f %9.2f\n", names[i].c_str(), 1e3 * percentile(run.timings[i], 0.5), 1e3 * percentile(run.timings[i], 0.95));
-    const std::vector<double>& totals = run.timings.back();   // the last stage is the total
-    double total = 0;
-    for (size_t i = 0; i < totals.size(); i++)
-        total += totals[i];
+    const std::vector<StageTime> times = run.tracker->getTimings();
+    for (size_t i = 0; i < times.size(); i++)
+        std::printf("  %-14s %9.2f %9.2f\n", times[i].name.c_str(), 1e3 * percentile(run.timings[i], 0.5), 1e3 * percentile(run.timings[i], 0.95));
+    const double total = times.back().mean * times.back().calls;
     std::printf("tracker %.1f Hz, whole run %.1f frames/s\n", total > 0 ? run.frames / total : 0, run.seconds > 0 ? run.frames / run.seconds : 0);
     std::fflush(stdout);
     if (!run.scorer)

@@ -166,7 +166,7 @@ class Run:
     def update(self, frame, image, joints, writer):
         seconds = frame / self.sequence.fps()
         estimates = self.tracker.update(image, seconds, joints)
-        self.timings.append(self.tracker.getTimings())
+        self.timings.append([stage.last for stage in self.tracker.getTimings()])
         for i, (tool, e) in enumerate(zip(self.tools, estimates)):
             tool.tracked += e.state == st.STATE_TRACKING
             if writer is not None:
@@ -205,8 +205,8 @@ class Run:
             print('  %-8s tracked in %.1f %% of the frames' % (tool.info.name, 100. * tool.tracked / self.frames))
         print('time a frame [ms]   median      95 %')
         timings = np.sort(np.array(self.timings).reshape(self.frames, -1), axis=0)
-        for i, name in enumerate(st.ToolTracker.timingNames()):
-            print('  %-14s %9.2f %9.2f' % (name, 1e3 * timings[self.frames // 2, i], 1e3 * timings[min(self.frames - 1, int(0.95 * self.frames)), i]))
+        for i, stage in enumerate(self.tracker.getTimings()):
+            print('  %-14s %9.2f %9.2f' % (stage.name, 1e3 * timings[self.frames // 2, i], 1e3 * timings[min(self.frames - 1, int(0.95 * self.frames)), i]))
         print('tracker %.1f Hz, whole run %.1f frames/s' % (self.frames / max(timings[:, -1].sum(), 1e-9), self.frames / max(self.seconds, 1e-9)))
         if self.scorer is None:
             return

@@ -75,7 +75,7 @@ bool ToolTrackerImpl::initialize(int index, const Mat& image, int first, int las
     }
     Matx44d correction;
     {
-        StageTimer timer(timings_[FILTER]);
+        StageTimer timer(times_, FILTER);
         gather(tool);
         if (tool.inliers.empty() || !solveEPnP(camera_, nominalPoints_, imagePoints_, correction, maxReprojectionError * pixelScale_)
             || !plausible(tool, correction))
@@ -110,7 +110,7 @@ bool ToolTrackerImpl::startFromHandEye(int index, const Mat& image)
             tool.inliers = inliers_;
             tool.visibleParts = int(templates_.size());
         }
-        StageTimer timer(timings_[FILTER]);
+        StageTimer timer(times_, FILTER);
         gather(tool);
         tool.filter->reset(Matx44d::eye());
         // Points that such a calibration does not explain: EPnP's pose, as after a move of the camera.

@@ -24,11 +24,7 @@ ToolTracker::Params::Params()
 {
 }
 
-std::vector<String> ToolTracker::timingNames()
-{
-    static const char* names[] = {"render", "image", "match", "verify", "filter", "total"};
-    return std::vector<String>(names, names + 6);
-}
+StageTime::StageTime() : calls(0), last(0), mean(0), min(0), max(0) {}
 
 namespace {
 
@@ -82,7 +78,6 @@ ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params
     verifier_ = GeometricContextVerifier::create(context);
     context.minInliers = params.minInitialInliers;
     startVerifier_ = GeometricContextVerifier::create(context);
-    std::fill(timings_, timings_ + STAGES, 0.);
 }
 
 int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base)
@@ -194,7 +189,7 @@ void ToolTrackerImpl::locate(int index, const Mat& image, double halfWindow, boo
 {
     TrackedTool& tool = tools_[index];
     {
-        StageTimer timer(timings_[RENDER]);
+        StageTimer timer(times_, RENDER);
         renderer_->render(camera_, views_, index, templates_, scale, rotation);
     }
     inliers_.clear();
@@ -221,15 +216,15 @@ void ToolTrackerImpl::locate(int index, const Mat& image, double halfWindow, boo
     }
     if (roi.empty()) return;
     {
-        StageTimer timer(timings_[IMAGE]);
+        StageTimer timer(times_, IMAGE);
         if (reduction_ > 1) reduce(image, roi);
         matcher_->setImage(reduction_ > 1 ? reduced_ : image, roi);
     }
     {
-        StageTimer timer(timings_[MATCH]);
+        StageTimer timer(times_, MATCH);
         matcher_->match(templates_, windows_, matches_);
     }
-    StageTimer timer(timings_[VERIFY]);
+    StageTimer timer(times_, VERIFY);
     (starting ? startVerifier_ : verifier_)->verify(matches_, inliers_);
 }
 
@@ -255,7 +250,7 @@ bool ToolTrackerImpl::measure(int index, const Mat& image)
     tool.visibleParts = int(templates_.size());
     if (tool.inliers.empty()) return false;
 
-    StageTimer timer(timings_[FILTER]);
+    StageTimer timer(times_, FILTER);
     gather(tool);
     if (!filtered)
     {
@@ -336,9 +331,9 @@ void ToolTrackerImpl::update(InputArray _image, double time, const std::vector<s
 {
     Mat image = _image.getMat();
     check(image, time, joints);
-    std::fill(timings_, timings_ + STAGES, 0.);
+    times_.beginFrame();
     {
-        StageTimer timer(timings_[TOTAL]);
+        StageTimer timer(times_, TOTAL);
         if (reduction_ > 1) reduced_.create(camera_.imageSize(), image.type());
         time_ = time;
         placeTools(joints);
@@ -355,6 +350,7 @@ void ToolTrackerImpl::update(InputArray _image, double time, const std::vector<s
     }
     estimates.resize(tools_.size());
     for (size_t i = 0; i < tools_.size(); i++) report(tools_[i], views_[i], estimates[i]);
+    times_.endFrame();
 }
 
 Ptr<ToolTracker> ToolTracker::create(const CameraModel& camera, const Params& params)

@@ -6,22 +6,9 @@
 #define OPENCV_SURGTRACK_SRC_TOOL_TRACKER_HPP
 
 #include "precomp.hpp"
+#include "stage_times.hpp"
 
 namespace cv { namespace surgtrack {
-
-enum Stage { RENDER, IMAGE, MATCH, VERIFY, FILTER, TOTAL, STAGES };
-
-// Adds the time of a scope to its stage.
-class StageTimer
-{
-public:
-    explicit StageTimer(double& sum) : sum_(sum), start_(getTickCount()) {}
-    ~StageTimer() { sum_ += double(getTickCount() - start_) / getTickFrequency(); }
-
-private:
-    double& sum_;
-    int64 start_;
-};
 
 struct TrackedTool
 {
@@ -52,7 +39,8 @@ public:
     int addTool(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base) CV_OVERRIDE;
     void update(InputArray image, double time, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates) CV_OVERRIDE;
     void reset(int tool) CV_OVERRIDE;
-    std::vector<double> getTimings() const CV_OVERRIDE { return std::vector<double>(timings_, timings_ + STAGES); }
+    std::vector<StageTime> getTimings() const CV_OVERRIDE { return times_.get(); }
+    void resetTimings() CV_OVERRIDE { times_.reset(); }
 
 private:
     void checkJoints(const std::vector<std::vector<double> >& joints) const;
@@ -94,7 +82,7 @@ private:
     std::vector<Point2d> imagePoints_;
     std::vector<uchar> used_;
 
-    double timings_[STAGES];
+    StageTimes times_;
 };
 
 }} // namespace cv::surgtrack

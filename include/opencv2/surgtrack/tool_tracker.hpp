@@ -50,6 +50,19 @@ struct CV_EXPORTS_W_SIMPLE ToolEstimate
     CV_PROP std::vector<PartMatch> matches;   //!< the inliers
 };
 
+/** @brief How long a stage of ToolTracker::update() takes. A frame is one sample: the sum over all tools, 0 if the stage was not reached. */
+struct CV_EXPORTS_W_SIMPLE StageTime
+{
+    CV_WRAP StageTime();
+
+    CV_PROP String name;   //!< `render`, `image`, `match`, `verify`, `filter` or `total`, all of update()
+    CV_PROP int calls;     //!< frames; without any, the times are 0
+    CV_PROP double last;   //!< of the last frame [s]
+    CV_PROP double mean;   //!< [s]
+    CV_PROP double min;    //!< [s]
+    CV_PROP double max;    //!< [s]
+};
+
 /** @brief Finds the pose of articulated tools in the camera from video and joint readings.
 
 Per frame (paper, Sec. 2): the tools are drawn as the kinematics and the last correction say they look; part templates are
@@ -99,9 +112,10 @@ public:
     /** @brief Forgets what was learnt of a tool, as after a change of instrument. @param tool index; -1 = all */
     CV_WRAP virtual void reset(int tool = -1) = 0;
 
-    /** @brief Time spent per stage in the last update() [s]: render, image, match, verify, filter, total. */
-    CV_WRAP virtual std::vector<double> getTimings() const = 0;
-    CV_WRAP static std::vector<String> timingNames();
+    /** @brief Times of the stages since the first frame or the last resetTimings(), in the order of the data flow; `total` comes last. */
+    CV_WRAP virtual std::vector<StageTime> getTimings() const = 0;
+
+    CV_WRAP virtual void resetTimings() = 0;
 };
 
 /** @brief Draws a tool's skeleton (joint axes' origins and the end effector) and its keypoints into an image.
