@@ -64,14 +64,15 @@ bool ToolTrackerImpl::initialize(int index, const Mat& image, int first, int las
     double bestScore = 0;
     for (int i = first; i <= last; i++)
     {
-        locate(index, image, halfWindow, true, scales[i / 3], rotations[i % 3]);
-        if (i == first) tool.visibleParts = int(templates_.size());
+        const std::vector<PartTemplate>& templates = draw(index, scales[i / 3], rotations[i % 3]);
+        locate(index, image, templates, halfWindow, true);
+        if (i == first) tool.visibleParts = int(templates.size());
         double score = 0;
         for (size_t k = 0; k < inliers_.size(); k++) score += inliers_[k].similarity;
         if (score <= bestScore) continue;
         bestScore = score;
         tool.inliers = inliers_;
-        tool.visibleParts = int(templates_.size());
+        tool.visibleParts = int(templates.size());
     }
     Matx44d correction;
     {
@@ -105,10 +106,11 @@ bool ToolTrackerImpl::startFromHandEye(int index, const Mat& image)
         if (pass > 0)
         {
             views_[index].camera_T_base = tool.correction * tool.nominal_T_base;
-            locate(index, image, params_.minWindow * pixelScale_, true, 1, 0);
+            const std::vector<PartTemplate>& templates = draw(index);
+            locate(index, image, templates, params_.minWindow * pixelScale_, true);
             if (inliers_.empty()) return false;
             tool.inliers = inliers_;
-            tool.visibleParts = int(templates_.size());
+            tool.visibleParts = int(templates.size());
         }
         StageTimer timer(times_, FILTER);
         gather(tool);

@@ -58,7 +58,8 @@ double meanSimilarity(const std::vector<PartMatch>& matches)
 
 ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params)
     : imageSize_(camera.imageSize()), reduction_(std::max(1, imageSize_.width / referenceWidth)), camera_(reduceCamera(camera, reduction_)),
-      params_(params), pixelScale_(camera_.imageSize().width / double(referenceWidth)), time_(-DBL_MAX)
+      field_(camera_.fieldOfView(Rect(Point(), camera_.imageSize()))), params_(params),
+      pixelScale_(camera_.imageSize().width / double(referenceWidth)), time_(-DBL_MAX)
 {
     CV_Assert(!camera.imageSize().empty());
     CV_Check(params.method, params.method == METHOD_PAPER || params.method == METHOD_EPNP, "Params::method: no such method");
@@ -97,8 +98,10 @@ int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal
     filter.minPoints = 4;   // as many as must agree on the geometric context
     tool.filter = ToolPoseEKF::create(camera_, filter);
     renderer_->addTool(model);
+    ahead_.release();   // its thread knows the old tools only
     // All that a frame may need: update() takes no memory later.
     windows_.reserve(parts);
+    predicted_.reserve(parts);
     inliers_.reserve(parts);
     nominalPoints_.reserve(parts);
     imagePoints_.reserve(parts);
@@ -113,6 +116,7 @@ int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal
 void ToolTrackerImpl::reset(int tool)
 {
     CV_Check(tool, tool >= -1 && tool < int(tools_.size()), "no such tool");
+    if (ahead_) ahead_->clear();
     for (int i = 0; i < int(tools_.size()); i++)
     {
         if (tool >= 0 && i != tool) continue;
@@ -183,24 +187,27 @@ void ToolTrackerImpl::reduce(const Mat& image, const Rect& roi)
     }
 }
 
-/* Paper, Sec. 2.1 and 2.2: renders templates, matches them in windows and verifies; the result is in inliers_.
+const std::vector<PartTemplate>& ToolTrackerImpl::draw(int index, double scale, double rotation)
+{
+    StageTimer timer(times_, RENDER);
+    renderer_->render(camera_, views_, index, templates_, scale, rotation);
+    return templates_;
+}
+
+/* Paper, Sec. 2.1 and 2.2: matches templates in windows and verifies; the result is in inliers_.
+   templates: of the start or of about where the tool is
    halfWindow: of the search windows [pixel]; larger where the filter's covariance asks for it, unless starting */
-void ToolTrackerImpl::locate(int index, const Mat& image, double halfWindow, bool starting, double scale, double rotation)
+void ToolTrackerImpl::locate(int index, const Mat& image, const std::vector<PartTemplate>& templates, double halfWindow, bool starting)
 {
     TrackedTool& tool = tools_[index];
-    {
-        StageTimer timer(times_, RENDER);
-        renderer_->render(camera_, views_, index, templates_, scale, rotation);
-    }
     inliers_.clear();
-    if (templates_.empty()) return;
-
     const Rect all(Point(), camera_.imageSize());
     windows_.clear();
+    predicted_.clear();
     Rect roi;
-    for (size_t i = 0; i < templates_.size(); i++)
+    for (size_t i = 0; i < templates.size(); i++)
     {
-        const PartTemplate& t = templates_[i];
+        const PartTemplate& t = templates[i];
         double hx = halfWindow, hy = halfWindow;
         if (!starting && params_.method != METHOD_EPNP)
         {
@@ -208,7 +215,15 @@ void ToolTrackerImpl::locate(int index, const Mat& image, double halfWindow, boo
             hx = std::min(std::max(hx, 3 * std::sqrt(C(0, 0))), 4 * halfWindow);
             hy = std::min(std::max(hy, 3 * std::sqrt(C(1, 1))), 4 * halfWindow);
         }
-        windows_.push_back(Rect(cvRound(t.anchor.x - hx), cvRound(t.anchor.y - hy), cvRound(2 * hx) + 1, cvRound(2 * hy) + 1) & all);
+        Point2d predicted = t.imagePoint;
+        if (&templates != &templates_)   // drawn ahead
+        {
+            const Point3d p = transform(tool.correction, tool.nominalPoints[t.part]);
+            if (p.z > 1e-3) predicted = camera_.project(p);
+        }
+        predicted_.push_back(predicted);
+        const Point2d at = Point2d(t.anchor) + Point2d(cvRound(predicted.x - t.imagePoint.x), cvRound(predicted.y - t.imagePoint.y));
+        windows_.push_back(Rect(cvRound(at.x - hx), cvRound(at.y - hy), cvRound(2 * hx) + 1, cvRound(2 * hy) + 1) & all);
         const Rect& w = windows_.back();
         if (w.empty()) continue;
         const Rect reach = Rect(w.x + t.bounds.x, w.y + t.bounds.y, w.width + t.bounds.width, w.height + t.bounds.height) & all;
@@ -222,7 +237,8 @@ void ToolTrackerImpl::locate(int index, const Mat& image, double halfWindow, boo
     }
     {
         StageTimer timer(times_, MATCH);
-        matcher_->match(templates_, windows_, matches_);
+        matcher_->match(templates, windows_, matches_);
+        for (size_t i = 0; i < matches_.size(); i++) matches_[i].predictedPoint = predicted_[matches_[i].templateIndex];
     }
     StageTimer timer(times_, VERIFY);
     (starting ? startVerifier_ : verifier_)->verify(matches_, inliers_);
@@ -240,14 +256,15 @@ void ToolTrackerImpl::gather(const TrackedTool& tool)
 }
 
 // One template a part at the last correction, then the filter (paper, Sec. 2.3).
-bool ToolTrackerImpl::measure(int index, const Mat& image)
+bool ToolTrackerImpl::measure(int index, const Mat& image, const TemplateSet* ahead)
 {
     TrackedTool& tool = tools_[index];
     const bool filtered = params_.method == METHOD_PAPER;
     if (filtered) tool.filter->predict();
-    locate(index, image, params_.minWindow * pixelScale_, false, 1, 0);
+    const std::vector<PartTemplate>& templates = ahead && tool.usesDrawnAhead() ? ahead->templates[index] : draw(index);
+    locate(index, image, templates, params_.minWindow * pixelScale_, false);
     tool.inliers = inliers_;
-    tool.visibleParts = int(templates_.size());
+    tool.visibleParts = int(templates.size());
     if (tool.inliers.empty()) return false;
 
     StageTimer timer(times_, FILTER);
@@ -335,13 +352,17 @@ void ToolTrackerImpl::update(InputArray _image, double time, const std::vector<s
     {
         StageTimer timer(times_, TOTAL);
         if (reduction_ > 1) reduced_.create(camera_.imageSize(), image.type());
-        time_ = time;
         placeTools(joints);
+        const TemplateSet* ahead = 0;
+        {
+            StageTimer renderTimer(times_, RENDER);
+            ahead = drawnAhead();
+        }
+        time_ = time;
         for (int i = 0; i < int(tools_.size()); i++)
         {
             TrackedTool& tool = tools_[i];
-            const bool starting = tool.state == STATE_INITIALIZING && tool.confirmed == 0;
-            bool seen = starting ? start(i, image) : measure(i, image);
+            bool seen = tool.starts() ? start(i, image) : measure(i, image, ahead);
             if (!seen && tool.state == STATE_LOST) seen = search(i, image);
             conclude(tool, seen);
             // Others are drawn, and hidden, where this tool was found.
@@ -349,6 +370,7 @@ void ToolTrackerImpl::update(InputArray _image, double time, const std::vector<s
         }
     }
     estimates.resize(tools_.size());
+    if (ahead_) ahead_->nextFrame();
     for (size_t i = 0; i < tools_.size(); i++) report(tools_[i], views_[i], estimates[i]);
     times_.endFrame();
 }
