@@ -8,12 +8,12 @@ namespace cv { namespace surgtrack {
 
 namespace {
 
-/* How far a tool may stand from where it was drawn. Templates are shifted to where it is now, so a shift changes only the
+/* How far a tool may stand from where it was drawn. Templates are moved to where it is now, so a shift changes only the
    perspective: 6 pixels are less than half a degree of viewing direction. A turn or another distance distorts them: a template
-   reaches some 50 pixels from its keypoint at 720 pixels width, where these bounds are 2 pixels, as far as features are spread. */
+   reaches some 50 pixels from its keypoint at 720 pixels width, where these bounds are a pixel; features are spread by two. */
 const double maxShift = 6;      // [pixel at 720 px image width]
-const double maxTurn = 0.04;    // [rad]
-const double maxZoom = 0.04;
+const double maxTurn = 0.02;    // [rad]
+const double maxZoom = 0.02;
 
 // A set that is surely drawn by now is as good as one that is nearer by less than this.
 const double clearlyNearer = 1;   // [pixel]
