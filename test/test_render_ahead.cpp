@@ -83,6 +83,8 @@ TEST(SurgTrack_RenderAhead, followsAsWellAsWithout)
         const Score ahead = scoreOf(r, *tracker, true);
         EXPECT_GE(ahead.covered, without.covered - 1);
         EXPECT_EQ(0, ahead.silent);
+        // The corrections a template is drawn with are two frames older, which moves a tool by less than a pixel (0.1 mm) once it is
+        // tracked; what other candidates come of it changes a mean of 25 frames by chance. Measured: -0.23 to -0.04 mm, -0.004 to 0.007 rad.
         EXPECT_LT(ahead.translation, without.translation + 0.0005);
         EXPECT_LT(ahead.rotation, without.rotation + 0.02);
     }
