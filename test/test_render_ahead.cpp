@@ -50,7 +50,7 @@ TEST(SurgTrack_RenderAhead, theEstimatesDoNotDependOnTheSpeedOfTheThreads)
         Ptr<ToolTracker> tracker = r.tracker();
         RNG rng(run);
         Ptr<Load> load;
-        if (run == 4) load = makePtr<Load>(4);
+        if (run == 4) load = makePtr<Load>(2);
         for (int frame = 0; frame < r.frames(); frame++)
         {
             // Several requests a frame, of which the last one counts; in the second half a live image's, for the frame itself.
