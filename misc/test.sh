@@ -152,8 +152,10 @@ run_samples() {
   sample "track_sequence, method epnp, two tools" limited "$track" --sequence="$work/two" --method=epnp \
     --frames=4 --poses="$work/two.csv"
   sample "its poses file" poses_complete "$work/two.csv" 4
+  sample "track_sequence, drawn ahead" limited "$track" --sequence="$work/two" --render-ahead --poses="$work/ahead.csv"
+  sample "its poses file" poses_complete "$work/ahead.csv" 4
   sample "track_sequence.py" python_cv2 "$REPO/samples/track_sequence.py" --sequence="$work/sequence" \
-    --poses="$work/python.csv" --frames="$frames"
+    --poses="$work/python.csv" --frames="$frames" --render-ahead
   sample "its poses file" poses_complete "$work/python.csv" "$frames"
   sample "refused: no such sequence" refuses "$work/none" "$track" --sequence="$work/none"
   sample "refused: no such method" refuses method "$track" --sequence="$work/sequence" --method=none

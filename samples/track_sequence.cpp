@@ -9,6 +9,7 @@
 #include "opencv2/videoio.hpp"
 #include "opencv2/surgtrack.hpp"
 #include "common.hpp"
+#include "frame_reader.hpp"
 
 using namespace cv;
 using namespace cv::surgtrack;
@@ -25,13 +26,14 @@ const char* const KEYS =
     "{ stereo   |       | use the right image too }"
     "{ start    | 0     | first frame }"
     "{ frames   | 0     | number of frames, 0 = to the end of the video }"
+    "{ render-ahead |   | draw the templates of the next frame in a second thread: faster, the poses differ a little }"
     "{ quiet    |       | no progress }";
 
 struct Options
 {
     String sequence, poses, video;
     int method, start, frames;
-    bool quiet;
+    bool renderAhead, quiet;
 };
 
 Options readOptions(const CommandLineParser& parser)
@@ -42,6 +44,7 @@ Options readOptions(const CommandLineParser& parser)
     options.video = parser.get<String>("video");
     options.start = common::integer(parser, "start", 0);
     options.frames = common::integer(parser, "frames", 0);
+    options.renderAhead = parser.has("render-ahead");
     options.quiet = parser.has("quiet");
     const String method = parser.get<String>("method");
     if (method != "paper" && method != "epnp")
@@ -51,50 +54,6 @@ Options readOptions(const CommandLineParser& parser)
         fail("argument '--stereo': method " + method + " uses one image, run it without --stereo");
     return options;
 }
-
-//! A video whose frames all have the size the sequence says.
-class FrameReader
-{
-public:
-    FrameReader(const Sequence& sequence, int start) : filename_(sequence.leftVideo()), size_(sequence.leftCamera().imageSize()), next_(0)
-    {
-        if (!capture_.open(filename_))
-            fail(filename_ + ": can't be read as a video");
-        count_ = (int)capture_.get(CAP_PROP_FRAME_COUNT);
-        while (next_ < start && capture_.grab())   // seeking is not exact in every container
-            next_++;
-        if (next_ < start)
-            fail(format("%s: has %d frames, none at --start=%d", filename_.c_str(), next_, start));
-    }
-
-    bool read(Mat& image)
-    {
-        if (!capture_.read(image) || image.empty())
-            return false;
-        if (image.size() != size_)
-            fail(format("%s: frame %d has %dx%d pixels, expected %dx%d as in sequence.yaml", filename_.c_str(), next_, image.cols, image.rows,
-                        size_.width, size_.height));
-        next_++;
-        return true;
-    }
-
-    //! Throws if the video should have gone on.
-    void checkEnd(const Sequence& sequence) const
-    {
-        if (next_ + 2 < count_)   // the count of some containers is rounded
-            fail(format("%s: ends after %d frames, expected %d as its header says", filename_.c_str(), next_, count_));
-        if (next_ < sequence.groundTruthEnd())
-            fail(format("%s: ends after %d frames, expected %d as in the ground truth", filename_.c_str(), next_, sequence.groundTruthEnd()));
-    }
-
-    int count() const { return count_; }
-
-private:
-    VideoCapture capture_;
-    String filename_;
-    Size size_;
-    int next_, count_;
-};
 
 //! The overlay video.
 class Overlay
@@ -181,16 +140,14 @@ std::vector<double> row(const ToolEstimate& estimate)
     return std::vector<double>(values, values + 4);
 }
 
-//! The joint readings of all tools at a frame. Throws when the records do not reach it.
-void readJoints(const Run& run, int frame, std::vector<std::vector<double> >& joints)
+//! The joint readings of all tools at a frame. Returns the first tool whose records do not reach it, or -1.
+int readJoints(const Run& run, int frame, std::vector<std::vector<double> >& joints)
 {
-    const double time = frame / run.sequence->fps();
     joints.resize(run.tools.size());
     for (int i = 0; i < (int)run.tools.size(); i++)
-        if (!run.sequence->jointsAt(i, time, joints[i], run.tools[i].model->coordinateNames()))
-            fail(format("%s: no joint readings of tool '%s' at %.3f s (frame %d), expected the time of every frame; they cover %.3f to %.3f s",
-                        run.sequence->kinematicsFile().c_str(), run.tools[i].info.name.c_str(), time, frame, run.sequence->firstTime(i),
-                        run.sequence->lastTime(i)));
+        if (!run.sequence->jointsAt(i, frame / run.sequence->fps(), joints[i], run.tools[i].model->coordinateNames()))
+            return i;
+    return -1;
 }
 
 void prepare(const Options& options, Run& run)
@@ -225,7 +182,6 @@ void prepare(const Options& options, Run& run)
     }
     if (run.sequence->hasGroundTruth())
         run.scorer = PoseScorer::create(run.sequence->leftCamera(), run.sequence->toolCount());
-    run.timings.resize(ToolTracker::timingNames().size());
 }
 
 void trackFrame(Run& run, int frame, const Mat& image, const std::vector<std::vector<double> >& joints, PoseWriter* writer,
@@ -233,9 +189,10 @@ void trackFrame(Run& run, int frame, const Mat& image, const std::vector<std::ve
 {
     const double time = frame / run.sequence->fps();
     run.tracker->update(image, time, joints, estimates);
-    const std::vector<double> timings = run.tracker->getTimings();
-    for (size_t i = 0; i < run.timings.size(); i++)
-        run.timings[i].push_back(timings[i]);
+    const std::vector<StageTime> times = run.tracker->getTimings();
+    run.timings.resize(times.size());
+    for (size_t i = 0; i < times.size(); i++)
+        run.timings[i].push_back(times[i].last);
     for (int i = 0; i < (int)run.tools.size(); i++)
     {
         run.tools[i].tracked += estimates[i].state == STATE_TRACKING;
@@ -251,7 +208,7 @@ void trackFrame(Run& run, int frame, const Mat& image, const std::vector<std::ve
 
 void track(const Options& options, Run& run)
 {
-    FrameReader reader(*run.sequence, options.start);
+    common::FrameReader reader(*run.sequence, options.start);
     const char* const names[] = { "visible", "inliers", "similarity", "nis" };
     Ptr<PoseWriter> writer;
     if (!options.poses.empty())
@@ -264,7 +221,7 @@ void track(const Options& options, Run& run)
     common::Progress progress(options.frames > 0 ? std::min(options.frames, remaining) : remaining, options.quiet);
     const int64 startTick = getTickCount();
     Mat image;
-    std::vector<std::vector<double> > joints;
+    std::vector<std::vector<double> > joints, nextJoints;
     std::vector<ToolEstimate> estimates;
     for (int frame = options.start; options.frames == 0 || frame < options.start + options.frames; frame++)
     {
@@ -273,7 +230,13 @@ void track(const Options& options, Run& run)
             reader.checkEnd(*run.sequence);
             break;
         }
-        readJoints(run, frame, joints);
+        const int missing = readJoints(run, frame, joints);
+        if (missing >= 0)
+            fail(format("%s: no joint readings of tool '%s' at %.3f s (frame %d), expected the time of every frame; they cover %.3f to %.3f s",
+                        run.sequence->kinematicsFile().c_str(), run.tools[missing].info.name.c_str(), frame / run.sequence->fps(), frame,
+                        run.sequence->firstTime(missing), run.sequence->lastTime(missing)));
+        if (options.renderAhead && readJoints(run, frame + 1, nextJoints) < 0)
+            run.tracker->renderAhead(nextJoints);
         trackFrame(run, frame, image, joints, writer.get(), estimates);
         if (overlay)
         {
@@ -304,13 +267,10 @@ void printSummary(const Run& run)
     for (size_t i = 0; i < run.tools.size(); i++)
         std::printf("  %-8s tracked in %.1f %% of the frames\n", run.tools[i].info.name.c_str(), 100. * run.tools[i].tracked / run.frames);
     std::printf("time a frame [ms]   median      95 %%\n");
-    const std::vector<String> names = ToolTracker::timingNames();
-    for (size_t i = 0; i < names.size(); i++)
-        std::printf("  %-14s %9.2f %9.2f\n", names[i].c_str(), 1e3 * percentile(run.timings[i], 0.5), 1e3 * percentile(run.timings[i], 0.95));
-    const std::vector<double>& totals = run.timings.back();   // the last stage is the total
-    double total = 0;
-    for (size_t i = 0; i < totals.size(); i++)
-        total += totals[i];
+    const std::vector<StageTime> times = run.tracker->getTimings();
+    for (size_t i = 0; i < times.size(); i++)
+        std::printf("  %-14s %9.2f %9.2f\n", times[i].name.c_str(), 1e3 * percentile(run.timings[i], 0.5), 1e3 * percentile(run.timings[i], 0.95));
+    const double total = times.back().mean * times.back().calls;
     std::printf("tracker %.1f Hz, whole run %.1f frames/s\n", total > 0 ? run.frames / total : 0, run.seconds > 0 ? run.frames / run.seconds : 0);
     std::fflush(stdout);
     if (!run.scorer)
@@ -336,8 +296,8 @@ int main(int argc, char** argv)
     try
     {
         const char* const options[] = { "sequence", "poses", "video", "method", "start", "frames" };
-        const char* const flags[] = { "help", "stereo", "quiet" };
-        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 6), std::vector<std::string>(flags, flags + 3));
+        const char* const flags[] = { "help", "stereo", "render-ahead", "quiet" };
+        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 6), std::vector<std::string>(flags, flags + 4));
         CommandLineParser parser(argc, argv, KEYS);
         parser.about("Tracks the tools of a recorded sequence by their CAD models and joint readings.");
         if (parser.has("help"))

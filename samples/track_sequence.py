@@ -5,6 +5,7 @@
 """Tracks the tools of a recorded sequence: video, joint readings and a rough hand-eye calibration in, tool poses out."""
 
 import argparse
+import concurrent.futures
 import os
 import sys
 import time
@@ -42,6 +43,8 @@ def parse_arguments():
     parser.add_argument('--stereo', action='store_true', help='use the right image too')
     parser.add_argument('--start', type=count, default=0, help='first frame')
     parser.add_argument('--frames', type=count, default=0, help='number of frames, 0 = to the end of the video')
+    parser.add_argument('--render-ahead', action='store_true',
+                        help='draw the templates of the next frame in a second thread: faster, the poses differ a little')
     parser.add_argument('--quiet', action='store_true', help='no progress')
     args = parser.parse_args()
     if args.method not in METHODS:
@@ -52,7 +55,7 @@ def parse_arguments():
 
 
 class FrameReader:
-    """A video whose frames all have the size the sequence says."""
+    """A video whose frames all have the size the sequence says; decoded in a thread of its own, one frame ahead."""
 
     def __init__(self, sequence, start):
         self.filename = sequence.leftVideo()
@@ -66,11 +69,14 @@ class FrameReader:
             self.next += 1
         if self.next < start:
             raise Failure('%s: has %d frames, none at --start=%d' % (self.filename, self.next, start))
+        self.thread = concurrent.futures.ThreadPoolExecutor(1)
+        self.decoded = self.thread.submit(self.capture.read)
 
     def read(self):
-        found, image = self.capture.read()
+        found, image = self.decoded.result()
         if not found:
             return None
+        self.decoded = self.thread.submit(self.capture.read)
         if (image.shape[1], image.shape[0]) != tuple(self.size):
             raise Failure('%s: frame %d has %dx%d pixels, expected %dx%d as in sequence.yaml'
                           % ((self.filename, self.next, image.shape[1], image.shape[0]) + tuple(self.size)))
@@ -153,6 +159,12 @@ class Run:
         self.scorer = st.PoseScorer.create(self.sequence.leftCamera(), len(self.tools)) if self.sequence.hasGroundTruth() else None
         self.timings, self.frames, self.seconds = [], 0, 0.
 
+    def render_ahead(self, frame):
+        """Unless the records end before that frame."""
+        readings = [self.sequence.jointsAt(i, frame / self.sequence.fps(), tool.model.coordinateNames()) for i, tool in enumerate(self.tools)]
+        if all(found for found, _ in readings):
+            self.tracker.renderAhead([joints for _, joints in readings])
+
     def joints(self, frame):
         result, seconds = [], frame / self.sequence.fps()
         for i, tool in enumerate(self.tools):
@@ -166,7 +178,7 @@ class Run:
     def update(self, frame, image, joints, writer):
         seconds = frame / self.sequence.fps()
         estimates = self.tracker.update(image, seconds, joints)
-        self.timings.append(self.tracker.getTimings())
+        self.timings.append([stage.last for stage in self.tracker.getTimings()])
         for i, (tool, e) in enumerate(zip(self.tools, estimates)):
             tool.tracked += e.state == st.STATE_TRACKING
             if writer is not None:
@@ -205,8 +217,8 @@ class Run:
             print('  %-8s tracked in %.1f %% of the frames' % (tool.info.name, 100. * tool.tracked / self.frames))
         print('time a frame [ms]   median      95 %')
         timings = np.sort(np.array(self.timings).reshape(self.frames, -1), axis=0)
-        for i, name in enumerate(st.ToolTracker.timingNames()):
-            print('  %-14s %9.2f %9.2f' % (name, 1e3 * timings[self.frames // 2, i], 1e3 * timings[min(self.frames - 1, int(0.95 * self.frames)), i]))
+        for i, stage in enumerate(self.tracker.getTimings()):
+            print('  %-14s %9.2f %9.2f' % (stage.name, 1e3 * timings[self.frames // 2, i], 1e3 * timings[min(self.frames - 1, int(0.95 * self.frames)), i]))
         print('tracker %.1f Hz, whole run %.1f frames/s' % (self.frames / max(timings[:, -1].sum(), 1e-9), self.frames / max(self.seconds, 1e-9)))
         if self.scorer is None:
             return
@@ -232,6 +244,8 @@ def track(args, run):
                 reader.check_end(run.sequence)
                 break
             joints = run.joints(frame)
+            if args.render_ahead:
+                run.render_ahead(frame + 1)
             estimates = run.update(frame, image, joints, writer)
             if overlay is not None:
                 run.draw(image, joints, estimates)

@@ -24,7 +24,7 @@ Mat asRows(InputArray values, int channels, const char* name)
         CV_Error(Error::StsBadSize, format("%s must be N x %d or N points of %d channels, is %d x %d with %d channels", name, channels,
                                            channels, m.rows, m.cols, m.channels()));
     m = m.reshape(1, int(m.total() * m.channels() / channels));
-    m.convertTo(m, CV_64F);
+    if (m.depth() != CV_64F) m.convertTo(m, CV_64F);
     checkFinite(m, name);
     return m;
 }

@@ -92,11 +92,13 @@ public:
 
 private:
     bool sameZone(const PolarGrid& drawing, const PolarGrid& image, const PartMatch& m) const;
-    double collect(const std::vector<PartMatch>& matches, int first, int second, std::vector<int>& agreeing) const;
+    double collect(const std::vector<PartMatch>& matches, int first, int second, std::vector<int>& agreeing);
 
     Params params_;
+    // of one verify()
     std::vector<int> agreeing_, best_;
-    mutable std::vector<uchar> taken_;
+    std::vector<uchar> taken_;
+    std::vector<PartMatch> result_;
 };
 
 bool GeometricContextVerifierImpl::sameZone(const PolarGrid& drawing, const PolarGrid& image, const PartMatch& m) const
@@ -112,7 +114,7 @@ bool GeometricContextVerifierImpl::sameZone(const PolarGrid& drawing, const Pola
 }
 
 // All that agrees with the sample, the most similar match of each part; the sum of their similarities.
-double GeometricContextVerifierImpl::collect(const std::vector<PartMatch>& matches, int first, int second, std::vector<int>& agreeing) const
+double GeometricContextVerifierImpl::collect(const std::vector<PartMatch>& matches, int first, int second, std::vector<int>& agreeing)
 {
     const PartMatch &a = matches[first], &b = matches[second];
     agreeing.clear();
@@ -142,7 +144,6 @@ double GeometricContextVerifierImpl::collect(const std::vector<PartMatch>& match
 
 bool GeometricContextVerifierImpl::verify(const std::vector<PartMatch>& matches, std::vector<PartMatch>& inliers)
 {
-    std::vector<PartMatch> result;
     const int n = int(matches.size());
     int lastPart = -1;
     for (int i = 0; i < n; i++)
@@ -154,6 +155,9 @@ bool GeometricContextVerifierImpl::verify(const std::vector<PartMatch>& matches,
         lastPart = std::max(lastPart, matches[i].part);
     }
     taken_.assign(lastPart + 1, 0);
+    agreeing_.reserve(taken_.size());
+    best_.reserve(taken_.size());
+    result_.reserve(taken_.size());
     best_.clear();
     double bestScore = 0;
     if (n >= params_.minInliers)
@@ -171,12 +175,13 @@ bool GeometricContextVerifierImpl::verify(const std::vector<PartMatch>& matches,
         }
     }
     const bool found = int(best_.size()) >= params_.minInliers;
+    result_.clear();
     if (found)
     {
-        for (size_t i = 0; i < best_.size(); i++) result.push_back(matches[best_[i]]);
-        std::sort(result.begin(), result.end(), byPart);
+        for (size_t i = 0; i < best_.size(); i++) result_.push_back(matches[best_[i]]);
+        std::sort(result_.begin(), result_.end(), byPart);
     }
-    inliers.swap(result);
+    inliers.assign(result_.begin(), result_.end());   // at the end: they may be the matches themselves
     return found;
 }
 

@@ -15,7 +15,7 @@
 // z, h   measured and predicted image points (u, v)
 // H      dh / dx
 // R      covariance of the image points; diagonal, so a number
-// S, K   innovation covariance, gain
+// S, K   innovation covariance, gain; of one point
 
 namespace cv { namespace surgtrack {
 
@@ -111,11 +111,15 @@ void projectKeypoints(const CameraModel& camera, InputArray state, InputArray no
     }
 }
 
-Matx44d correctionFromState(InputArray state)
+static Matx44d correctionOf(const Vector6& x)
 {
-    const Vector6 x = checkedState(state);
     const Matx33d R = eulerRotation(x.data());
     return Matx44d(R(0, 0), R(0, 1), R(0, 2), x[3], R(1, 0), R(1, 1), R(1, 2), x[4], R(2, 0), R(2, 1), R(2, 2), x[5], 0, 0, 0, 1);
+}
+
+Matx44d correctionFromState(InputArray state)
+{
+    return correctionOf(checkedState(state));
 }
 
 static Vector6 stateOf(const Matx44d& T)
@@ -196,7 +200,7 @@ public:
 
     bool correct(InputArray nominalPoints, InputArray imagePoints, OutputArray used) CV_OVERRIDE;
 
-    Matx44d correction() const CV_OVERRIDE { return correctionFromState(state()); }
+    Matx44d correction() const CV_OVERRIDE { return correctionOf(x_); }
     Mat state() const CV_OVERRIDE { return Mat(6, 1, CV_64F, const_cast<double*>(x_.data())).clone(); }
     Mat covariance() const CV_OVERRIDE { return Mat(6, 6, CV_64F, const_cast<double*>(P_.data())).clone(); }
     double nis() const CV_OVERRIDE { return nis_; }
@@ -211,46 +215,52 @@ private:
     double nis_;
 };
 
+/* R is diagonal, so the points are taken in one after the other, all at the linearization of the predicted state: the same
+   result as from all at once, without matrices that grow with their number. */
 bool ToolPoseEKFImpl::correct(InputArray nominalPoints, InputArray imagePoints, OutputArray used)
 {
     const Mat points = asRows(nominalPoints, 3, "nominalPoints"), image = asRows(imagePoints, 2, "imagePoints");
     CV_CheckEQ(points.rows, image.rows, "one image point per nominal point");
-    std::vector<uchar> passed(points.rows, 0);
+    Mat flags;
+    if (used.needed())
+    {
+        used.create(points.rows, 1, CV_8UC1);
+        flags = used.getMat();
+    }
 
     const double R = params_.measurementNoise * params_.measurementNoise;
     const Linearization at(x_.data());
-    Eigen::Matrix<double, Eigen::Dynamic, 6> H(2 * points.rows, 6);
-    Eigen::VectorXd innovation(2 * points.rows);
-    int rows = 0;
+    Vector6 dx = Vector6::Zero();
+    Matrix6 P = P_;
+    double nis = 0;
+    int passed = 0;
     for (int i = 0; i < points.rows; i++)
     {
+        if (!flags.empty()) flags.at<uchar>(i) = 0;
         const Point3d& p = *points.ptr<Point3d>(i);
         if (at.viewPoint(p).z < nearest) continue;
-        Row2x6 Hi;
-        const Point2d difference = *image.ptr<Point2d>(i) - at.project(camera_, p, &Hi);
-        const Eigen::Vector2d y(difference.x, difference.y);
-        const Eigen::Matrix2d Si = Hi * P_ * Hi.transpose() + R * Eigen::Matrix2d::Identity();
-        if (params_.gate > 0 && y.dot(Si.llt().solve(y)) > params_.gate) continue;
-        H.middleRows<2>(rows) = Hi;
-        innovation.segment<2>(rows) = y;
-        rows += 2;
-        passed[i] = 1;
-    }
-    if (used.needed()) Mat(passed).copyTo(used);
-    if (rows < 2 * std::max(1, params_.minPoints)) return false;
+        Row2x6 H;
+        const Point2d difference = *image.ptr<Point2d>(i) - at.project(camera_, p, &H);
+        const Eigen::Vector2d innovation(difference.x, difference.y);
+        const Eigen::Matrix2d predicted = H * P_ * H.transpose() + R * Eigen::Matrix2d::Identity();
+        if (params_.gate > 0 && innovation.dot(predicted.llt().solve(innovation)) > params_.gate) continue;
+        if (!flags.empty()) flags.at<uchar>(i) = 1;
+        passed++;
 
-    const Eigen::Matrix<double, Eigen::Dynamic, 6> Hn = H.topRows(rows);
-    const Eigen::VectorXd y = innovation.head(rows);
-    Eigen::MatrixXd S = Hn * P_ * Hn.transpose();
-    S.diagonal().array() += R;
-    const Eigen::LLT<Eigen::MatrixXd> cholesky(S);
-    if (cholesky.info() != Eigen::Success) return false;
-    const Eigen::Matrix<double, 6, Eigen::Dynamic> K = cholesky.solve(Hn * P_).transpose();
-    nis_ = y.dot(cholesky.solve(y)) / rows;
-    x_ += K * y;
-    const Matrix6 I_KH = Matrix6::Identity() - K * Hn;
-    P_ = (I_KH * P_ * I_KH.transpose() + R * K * K.transpose()).eval();   // Joseph
-    P_ = (0.5 * (P_ + P_.transpose())).eval();
+        const Eigen::Matrix2d S = H * P * H.transpose() + R * Eigen::Matrix2d::Identity();
+        const Eigen::LLT<Eigen::Matrix2d> cholesky(S);
+        if (cholesky.info() != Eigen::Success) return false;
+        const Eigen::Matrix<double, 6, 2> K = cholesky.solve(H * P).transpose();
+        const Eigen::Vector2d y = innovation - H * dx;
+        nis += y.dot(cholesky.solve(y));
+        dx += K * y;
+        const Matrix6 I_KH = Matrix6::Identity() - K * H;
+        P = (I_KH * P * I_KH.transpose() + R * K * K.transpose()).eval();   // Joseph
+    }
+    if (passed < std::max(1, params_.minPoints)) return false;
+    x_ += dx;
+    P_ = 0.5 * (P + P.transpose());
+    nis_ = nis / (2 * passed);
     return true;
 }
 

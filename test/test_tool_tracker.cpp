@@ -2,126 +2,10 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
-#include "test_common.hpp"
+#include "test_tracking.hpp"
 #include "opencv2/videoio.hpp"
 
-#include <cstdlib>
-
 namespace opencv_test { namespace {
-
-typedef std::vector<ToolEstimate> Estimates;
-typedef std::vector<std::vector<double> > Joints;
-
-// A synthetic scene, its frames drawn once.
-struct Recording
-{
-    Recording(const SyntheticScene::Params& _params, int frames) : params(_params), scene(SyntheticScene::create(needleDriver(), _params)), images(frames)
-    {
-        for (int i = 0; i < frames; i++) scene->render(i, images[i]);
-    }
-
-    int frames() const { return int(images.size()); }
-    double time(int frame) const { return frame / params.fps; }
-
-    Joints joints(int frame) const
-    {
-        Joints result;
-        for (int i = 0; i < scene->toolCount(); i++) result.push_back(scene->recordedJoints(i, time(frame)));
-        return result;
-    }
-
-    Ptr<ToolTracker> tracker(int method = METHOD_PAPER) const
-    {
-        ToolTracker::Params p;
-        p.method = method;
-        return tracker(p);
-    }
-
-    Ptr<ToolTracker> tracker(const ToolTracker::Params& p) const
-    {
-        Ptr<ToolTracker> result = ToolTracker::create(scene->camera(), p);
-        for (int i = 0; i < scene->toolCount(); i++) EXPECT_EQ(i, result->addTool(scene->model(), scene->nominal_T_base(i)));
-        return result;
-    }
-
-    Estimates update(ToolTracker& tracker, int frame) const
-    {
-        Estimates result;
-        tracker.update(images[frame], time(frame), joints(frame), result);
-        return result;
-    }
-
-    SyntheticScene::Params params;
-    Ptr<SyntheticScene> scene;
-    std::vector<Mat> images;
-};
-
-SyntheticScene::Params scene(int seed = 1, int tools = 1, Size size = Size(720, 576), bool distortion = false)
-{
-    SyntheticScene::Params p;
-    p.seed = seed;
-    p.tools = tools;
-    p.imageSize = size;
-    p.distortion = distortion;
-    return p;
-}
-
-// One tool, three quarters of a second; used by several tests.
-const Recording& common()
-{
-    static const Recording recording(scene(), 25);
-    return recording;
-}
-
-struct Score
-{
-    Score() : translation(0), rotation(0), kinematics(0), frames(0), covered(0), silent(0) {}
-    double translation, rotation;   // means of the frames that claim to know [m], [rad]
-    double kinematics;              // mean error without tracking [m]
-    int frames, covered, silent;    // silent: `tracking`, and more than 5 mm off
-};
-
-Score scoreOf(const Recording& r, ToolTracker& tracker)
-{
-    Score s;
-    for (int frame = 0; frame < r.frames(); frame++)
-    {
-        const Estimates estimates = r.update(tracker, frame);
-        const Joints joints = r.joints(frame);
-        EXPECT_EQ(joints.size(), estimates.size());
-        for (int i = 0; i < int(estimates.size()); i++)
-        {
-            const ToolEstimate& e = estimates[i];
-            const Matx44d truth = r.scene->truePose(i, r.time(frame));
-            s.frames++;
-            s.kinematics += distance(r.scene->nominal_T_base(i) * r.scene->model()->endEffectorPose(joints[i]), truth);
-            if (e.state != STATE_TRACKING && e.state != STATE_COASTING) continue;
-            s.covered++;
-            s.translation += distance(e.camera_T_tool, truth);
-            s.rotation += rotationAngle(e.camera_T_tool, truth);
-            s.silent += e.state == STATE_TRACKING && distance(e.camera_T_tool, truth) > 0.005;
-        }
-    }
-    s.kinematics /= s.frames;
-    s.translation /= std::max(1, s.covered);
-    s.rotation /= std::max(1, s.covered);
-    if (std::getenv("SURGTRACK_TEST_PRINT"))   // to measure the bounds anew
-        std::cout << "translation " << s.translation * 1e3 << " mm, rotation " << s.rotation << " rad, covered " << s.covered << " of " << s.frames << ", silent "
-                  << s.silent << ", kinematics " << s.kinematics * 1e3 << " mm" << std::endl;
-    return s;
-}
-
-bool same(const Estimates& a, const Estimates& b)
-{
-    if (a.size() != b.size()) return false;
-    for (size_t i = 0; i < a.size(); i++)
-        if (a[i].state != b[i].state || cv::norm(a[i].camera_T_tool - b[i].camera_T_tool, NORM_INF) != 0
-            || cv::norm(a[i].camera_T_nominal - b[i].camera_T_nominal, NORM_INF) != 0 || cv::norm(a[i].covariance - b[i].covariance, NORM_INF) != 0
-            || a[i].visibleParts != b[i].visibleParts || a[i].inliers != b[i].inliers || a[i].similarity != b[i].similarity || a[i].nis != b[i].nis
-            || !sameMatches(a[i].matches, b[i].matches))
-            return false;
-    return true;
-}
 
 TEST(SurgTrack_Tracker, findsAndFollowsOneTool)
 {
@@ -180,6 +64,43 @@ TEST(SurgTrack_Tracker, followsInSmallAndLargeImages)
     EXPECT_EQ(s.frames - 1, s.covered);
     EXPECT_LT(s.translation, 0.003);      // measured: 1.4 mm, of the first frames
     EXPECT_LT(s.rotation, 0.16);          // measured: 0.08 rad
+}
+
+TEST(SurgTrack_Tracker, largeImagesGiveWhatTheirReductionGives)
+{
+    const Recording& r = common();
+    const CameraModel camera = r.scene->camera();
+    for (int factor = 2; factor <= 4; factor++)
+    {
+        // The reduced camera as in the tracker, so that no bit differs; some columns and a row are left over.
+        const double f = factor, share = 1. / factor;
+        const Matx33d K(camera.fx * f, 0, (camera.cx + 0.5) * f - 0.5, 0, camera.fy * f, (camera.cy + 0.5) * f - 0.5, 0, 0, 1);
+        const Matx33d reducedK(K(0, 0) * share, 0, (K(0, 2) + 0.5) * share - 0.5, 0, K(1, 1) * share, (K(1, 2) + 0.5) * share - 0.5, 0, 0, 1);
+        const Size size(720 * factor, 576 * factor);
+        Ptr<ToolTracker> large = ToolTracker::create(CameraModel(K, noArray(), size + Size(factor > 2 ? 2 : 1, 1)));
+        Ptr<ToolTracker> small = ToolTracker::create(CameraModel(reducedK, noArray(), Size(720, 576)));
+        large->addTool(r.scene->model(), r.scene->nominal_T_base(0));
+        small->addTool(r.scene->model(), r.scene->nominal_T_base(0));
+        const Mat noise = textured(size, 3, factor, 0, 60);
+        for (int frame = 0; frame < 4; frame++)
+        {
+            Mat image, bordered, reduced;
+            cv::resize(r.images[frame], image, size, 0, 0, INTER_LINEAR);
+            cv::subtract(image, noise, image);
+            cv::copyMakeBorder(image, bordered, 0, 1, 0, factor > 2 ? 2 : 1, BORDER_CONSTANT);
+            cv::resize(image, reduced, Size(720, 576), 0, 0, INTER_AREA);
+            Estimates a, b;
+            large->update(bordered, r.time(frame), r.joints(frame), a);
+            small->update(reduced, r.time(frame), r.joints(frame), b);
+            for (PartMatch& m : b[0].matches)
+            {
+                m.imagePoint = Point2d((m.imagePoint.x + 0.5) * factor - 0.5, (m.imagePoint.y + 0.5) * factor - 0.5);
+                m.predictedPoint = Point2d((m.predictedPoint.x + 0.5) * factor - 0.5, (m.predictedPoint.y + 0.5) * factor - 0.5);
+            }
+            EXPECT_TRUE(same(a, b)) << "factor " << factor << ", frame " << frame;
+            EXPECT_TRUE(frame < 3 || a[0].state == STATE_TRACKING) << factor;   // there was something to compare
+        }
+    }
 }
 
 TEST(SurgTrack_Tracker, theFilterBeatsEPnPOfEachFrame)
@@ -415,22 +336,48 @@ TEST(SurgTrack_Tracker, resetForgetsOneToolOrAll)
 
 TEST(SurgTrack_Tracker, timesItsStages)
 {
-    const std::vector<String> names = ToolTracker::timingNames();
-    const char* const expected[] = {"render", "image", "match", "verify", "filter", "total"};
-    ASSERT_EQ(6u, names.size());
-    for (int i = 0; i < 6; i++) EXPECT_EQ(expected[i], names[i]);
     Ptr<ToolTracker> tracker = common().tracker();
-    common().update(*tracker, 0);
-    const std::vector<double> times = tracker->getTimings();
-    ASSERT_EQ(names.size(), times.size());
-    double sum = 0;
-    for (int i = 0; i < 5; i++)
+    const char* const expected[] = {"render", "image", "match", "verify", "filter", "total"};
+    std::vector<StageTime> times = tracker->getTimings();
+    ASSERT_EQ(6u, times.size());
+    for (int i = 0; i < 6; i++)
     {
-        EXPECT_GE(times[i], 0) << names[i];
-        sum += times[i];
+        EXPECT_EQ(expected[i], times[i].name);
+        EXPECT_EQ(0, times[i].calls);
+        EXPECT_EQ(0, times[i].mean);
     }
-    EXPECT_GT(sum, 0);
-    EXPECT_LE(sum, times[5] + 1e-6);   // the stages are parts of the total; the clock ticks
+    std::vector<double> sum(6), least(6, DBL_MAX), most(6);
+    const int frames = 4;
+    for (int frame = 0; frame < frames; frame++)
+    {
+        common().update(*tracker, frame);
+        times = tracker->getTimings();
+        double stages = 0;
+        for (int i = 0; i < 6; i++)
+        {
+            EXPECT_EQ(frame + 1, times[i].calls);
+            EXPECT_GE(times[i].last, 0) << expected[i];
+            if (i < 5) stages += times[i].last;
+            sum[i] += times[i].last;
+            least[i] = std::min(least[i], times[i].last);
+            most[i] = std::max(most[i], times[i].last);
+        }
+        EXPECT_GT(stages, 0);
+        EXPECT_LE(stages, times[5].last + 1e-6);   // the stages are parts of the total; the clock ticks
+    }
+    for (int i = 0; i < 6; i++)
+    {
+        EXPECT_NEAR(sum[i] / frames, times[i].mean, 1e-12);   // rounding
+        EXPECT_EQ(least[i], times[i].min);
+        EXPECT_EQ(most[i], times[i].max);
+    }
+    tracker->resetTimings();
+    EXPECT_EQ(0, tracker->getTimings()[5].calls);
+    EXPECT_EQ(0, tracker->getTimings()[5].last);
+    common().update(*tracker, frames);
+    times = tracker->getTimings();
+    EXPECT_EQ(1, times[5].calls);
+    EXPECT_EQ(times[5].last, times[5].max);   // nothing is left of the frames before
 }
 
 TEST(SurgTrack_Tracker, statesHaveTheNamesOfPosesFiles)

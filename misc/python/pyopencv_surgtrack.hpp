@@ -16,6 +16,7 @@ typedef cv::surgtrack::ToolTracker::Params ToolTracker_Params;
 
 typedef std::vector<cv::surgtrack::PartMatch> vector_PartMatch;
 typedef std::vector<cv::surgtrack::PartTemplate> vector_PartTemplate;
+typedef std::vector<cv::surgtrack::StageTime> vector_StageTime;
 typedef std::vector<cv::surgtrack::ToolEstimate> vector_ToolEstimate;
 typedef std::vector<std::vector<double> > vector_vector_double;
 #endif

@@ -50,6 +50,19 @@ struct CV_EXPORTS_W_SIMPLE ToolEstimate
     CV_PROP std::vector<PartMatch> matches;   //!< the inliers
 };
 
+/** @brief How long a stage of ToolTracker::update() takes. A frame is one sample: the sum over all tools, 0 if the stage was not reached. */
+struct CV_EXPORTS_W_SIMPLE StageTime
+{
+    CV_WRAP StageTime();
+
+    CV_PROP String name;   //!< `render`, `image`, `match`, `verify`, `filter` or `total`, all of update()
+    CV_PROP int calls;     //!< frames; without any, the times are 0
+    CV_PROP double last;   //!< of the last frame [s]
+    CV_PROP double mean;   //!< [s]
+    CV_PROP double min;    //!< [s]
+    CV_PROP double max;    //!< [s]
+};
+
 /** @brief Finds the pose of articulated tools in the camera from video and joint readings.
 
 Per frame (paper, Sec. 2): the tools are drawn as the kinematics and the last correction say they look; part templates are
@@ -96,12 +109,31 @@ public:
     CV_WRAP virtual void update(InputArray image, double time, const std::vector<std::vector<double> >& joints,
                                 CV_OUT std::vector<ToolEstimate>& estimates) = 0;
 
+    /** @brief Starts drawing templates in a second thread (paper, Sec. 2: two threads) and returns at once.
+
+    A video is tracked with the drawing of the next frame beside the matching of this one:
+
+        tracker->renderAhead(joints of frame t + 1);
+        tracker->update(image t, time t, joints of frame t, estimates);
+
+    and a live image with the newest readings as soon as there are some, before update(). Templates are drawn with the corrections
+    known at the time of the call. update() knows the last request before it and the last one before the previous update(). It waits
+    for the one whose drawing has the tools within a few pixels and degrees of where they are now, and moves its templates there; if
+    neither has, or a tool starts or is lost, it draws as ever. The estimates so depend on the order of the calls and what is given to
+    them, never on the speed of a thread; they differ a little from those without this call.
+
+    @param joints as for update(), as they are expected to be
+    @throws cv::Exception for another number of joints or non-finite values. What goes wrong in the second thread is thrown by the
+    update() that asks for the templates, this or the next one; the tracker's state is then unchanged, and the request gone */
+    CV_WRAP virtual void renderAhead(const std::vector<std::vector<double> >& joints) = 0;
+
     /** @brief Forgets what was learnt of a tool, as after a change of instrument. @param tool index; -1 = all */
     CV_WRAP virtual void reset(int tool = -1) = 0;
 
-    /** @brief Time spent per stage in the last update() [s]: render, image, match, verify, filter, total. */
-    CV_WRAP virtual std::vector<double> getTimings() const = 0;
-    CV_WRAP static std::vector<String> timingNames();
+    /** @brief Times of the stages since the first frame or the last resetTimings(), in the order of the data flow; `total` comes last. */
+    CV_WRAP virtual std::vector<StageTime> getTimings() const = 0;
+
+    CV_WRAP virtual void resetTimings() = 0;
 };
 
 /** @brief Draws a tool's skeleton (joint axes' origins and the end effector) and its keypoints into an image.

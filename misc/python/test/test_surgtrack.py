@@ -258,6 +258,8 @@ class surgtrack_test(NewOpenCVTests):
         for frame in range(12):
             time = frame / 25.
             image, joints = scene.render(frame), scene.recordedJoints(0, time)
+            if frame >= 6:
+                tracker.renderAhead([scene.recordedJoints(0, time + 1 / 25.)])
             estimate, = tracker.update(image, time, [joints])
             scorer.add(0, estimate.state, estimate.camera_T_tool, scene.truePose(0, time))
         self.assertEqual(st.stateName(estimate.state), 'tracking')
@@ -270,7 +272,15 @@ class surgtrack_test(NewOpenCVTests):
         tool = estimate.camera_T_nominal.dot(scene.nominal_T_base(0)).dot(scene.model().endEffectorPose(joints))
         np.testing.assert_allclose(estimate.camera_T_tool, tool, atol=1e-9)   # the chain of transforms
         self.assertLess(scorer.score().translationMean, 0.004)   # the calibration is 6 mm off
-        self.assertEqual(len(tracker.getTimings()), len(st.ToolTracker.timingNames()))
+        times = tracker.getTimings()
+        self.assertEqual([t.name for t in times], ['render', 'image', 'match', 'verify', 'filter', 'total'])
+        for t in times:
+            self.assertEqual(t.calls, 12)
+            self.assertTrue(0 <= t.min <= t.mean <= t.max and t.min <= t.last <= t.max)
+        tracker.resetTimings()
+        self.assertEqual(tracker.getTimings()[-1].calls, 0)
+        with self.assertRaises(cv.error):
+            tracker.renderAhead([joints[:2]])
         with self.assertRaises(cv.error):
             tracker.update(image[:100], 9., [joints])
         tracker.reset()

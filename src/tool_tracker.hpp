@@ -1,0 +1,104 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_SRC_TOOL_TRACKER_HPP
+#define OPENCV_SURGTRACK_SRC_TOOL_TRACKER_HPP
+
+#include "precomp.hpp"
+#include "render_ahead.hpp"
+#include "stage_times.hpp"
+
+namespace cv { namespace surgtrack {
+
+struct TrackedTool
+{
+    Ptr<ToolModel> model;
+    size_t coordinates;              // of the model
+    Matx44d nominal_T_base;
+    Ptr<ToolPoseEKF> filter;
+    Matx44d correction;              // the last one; kept when nothing is seen
+    Matx44d trusted;                 // the last one that was tracked; what an unconfirmed one goes back to
+    int state;
+    int hypothesis;                  // of the search for a lost tool
+    int confirmed;                   // consecutive measured frames since the (re)start
+    double lastSeen;                 // time of the last measurement [s]
+    std::vector<Point3d> nominalPoints;   // of the current frame
+    double similarity, nis;
+    int visibleParts;
+    std::vector<PartMatch> inliers;
+
+    bool starts() const { return state == STATE_INITIALIZING && confirmed == 0; }
+    // Where a tool is not known, nothing can be drawn ahead.
+    bool usesDrawnAhead() const { return !starts() && state != STATE_LOST; }
+};
+
+double meanSimilarity(const std::vector<PartMatch>& matches);
+
+// tool_tracker.cpp: set-up and the frame; tool_start.cpp: the first pose, and that of a lost tool; tool_ahead.cpp: renderAhead()
+class ToolTrackerImpl CV_FINAL : public ToolTracker
+{
+public:
+    ToolTrackerImpl(const CameraModel& camera, const Params& params);
+
+    int addTool(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base) CV_OVERRIDE;
+    void update(InputArray image, double time, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates) CV_OVERRIDE;
+    void renderAhead(const std::vector<std::vector<double> >& joints) CV_OVERRIDE;
+    void reset(int tool) CV_OVERRIDE;
+    std::vector<StageTime> getTimings() const CV_OVERRIDE { return times_.get(); }
+    void resetTimings() CV_OVERRIDE { times_.reset(); }
+
+private:
+    void checkJoints(const std::vector<std::vector<double> >& joints) const;
+    void check(const Mat& image, double time, const std::vector<std::vector<double> >& joints) const;
+    void placeTools(const std::vector<std::vector<double> >& joints);
+    void reduce(const Mat& image, const Rect& roi);
+    double shiftSince(const std::vector<ToolView>* drawn) const;
+    const TemplateSet* drawnAhead();
+    const std::vector<PartTemplate>& draw(int tool, double scale = 1, double rotation = 0);
+    void locate(int tool, const Mat& image, const std::vector<PartTemplate>& templates, double halfWindow, bool starting);
+    bool start(int tool, const Mat& image);
+    bool search(int tool, const Mat& image);
+    bool initialize(int tool, const Mat& image, int first, int last);
+    bool startFromHandEye(int tool, const Mat& image);
+    bool measure(int tool, const Mat& image, const TemplateSet* ahead);
+    void conclude(TrackedTool& tool, bool seen) const;
+    bool plausible(const TrackedTool& tool, const Matx44d& correction) const;
+    void gather(const TrackedTool& tool);
+    void report(const TrackedTool& tool, const ToolView& view, ToolEstimate& estimate) const;
+
+    Size imageSize_;       // of the images given
+    int reduction_;        // by this they are reduced; camera_ and all image points inside are those of the reduced image
+    CameraModel camera_;
+    Rect2d field_;         // the camera's field of view
+    Mat reduced_;          // up to date in the region looked at
+    Params params_;
+    double pixelScale_;    // of thresholds given for images 720 pixels wide
+    Ptr<PartTemplateRenderer> renderer_;
+    Ptr<QGOMatcher> matcher_;
+    Ptr<GeometricContextVerifier> verifier_, startVerifier_;   // the first pose needs more points to agree
+    std::vector<TrackedTool> tools_;
+    std::vector<ToolView> views_;
+    double time_;
+
+    // of one locate()
+    std::vector<PartTemplate> templates_;
+    std::vector<Point2d> predicted_;
+    std::vector<Rect> windows_;
+    std::vector<PartMatch> matches_;
+    std::vector<PartMatch> inliers_;
+
+    // of one correction
+    std::vector<Point3d> nominalPoints_;
+    std::vector<Point2d> imagePoints_;
+    std::vector<uchar> used_;
+
+    Ptr<RenderAhead> ahead_;   // made by the first renderAhead()
+    std::vector<ToolView> aheadViews_;
+
+    StageTimes times_;
+};
+
+}} // namespace cv::surgtrack
+
+#endif
