@@ -95,8 +95,18 @@ bool ToolTrackerImpl::initialize(int index, const Mat& image, int first, int las
     return false;
 }
 
+// The filter after the points of this frame and the hand-eye calibration, whose error is of a known size, and nothing else.
+// Returns false for points that such a calibration does not explain, as after a move of the camera: then at the last correction.
+bool ToolTrackerImpl::correctFromHandEye(TrackedTool& tool)
+{
+    tool.filter->reset(Matx44d::eye());
+    if (tool.filter->correct(nominalPoints_, imagePoints_, used_) && 2 * countNonZero(used_) > int(used_.size())) return true;
+    tool.filter->reset(tool.correction);
+    return false;
+}
+
 /* The paper's filter starts from EPnP's pose, whose depth is off by 5 mm and more, and from templates of another scale. Ours takes
-   the same points in from the hand-eye calibration, whose error is of a known size, and looks again with templates that fit.
+   the same points in from the hand-eye calibration and looks again with templates that fit.
    Returns whether the tool then looks as it should; tissue does not. */
 bool ToolTrackerImpl::startFromHandEye(int index, const Mat& image)
 {
@@ -114,11 +124,7 @@ bool ToolTrackerImpl::startFromHandEye(int index, const Mat& image)
         }
         StageTimer timer(times_, FILTER);
         gather(tool);
-        tool.filter->reset(Matx44d::eye());
-        // Points that such a calibration does not explain: EPnP's pose, as after a move of the camera.
-        if (tool.filter->correct(nominalPoints_, imagePoints_, used_) && 2 * countNonZero(used_) > int(used_.size()))
-            tool.correction = tool.filter->correction();
-        else tool.filter->reset(tool.correction);
+        if (correctFromHandEye(tool)) tool.correction = tool.filter->correction();
     }
     return meanSimilarity(tool.inliers) >= params_.minInitialSimilarity && plausible(tool, tool.correction);
 }

@@ -61,6 +61,7 @@ private:
     bool search(int tool, const Mat& image);
     bool initialize(int tool, const Mat& image, int first, int last);
     bool startFromHandEye(int tool, const Mat& image);
+    bool correctFromHandEye(TrackedTool& tool);
     bool measure(int tool, const Mat& image, const TemplateSet* ahead);
     void conclude(TrackedTool& tool, bool seen) const;
     bool plausible(const TrackedTool& tool, const Matx44d& correction) const;
