@@ -39,10 +39,6 @@ CameraModel reduceCamera(const CameraModel& camera, int factor)
     return CameraModel(K, camera.distCoeffs(), Size(camera.imageSize().width / factor, camera.imageSize().height / factor));
 }
 
-/* So many first frames are each taken in from the hand-eye calibration alone. Their points lean towards where the templates were
-   drawn: a filter that believed them together would keep the error of the first pose, most of it depth, for minutes. */
-const int settlingFrames = 6;
-
 // Gradients of a pixel reach so far: blur 3, Sobel and vote 1 each.
 const int gradientReach = 5;
 
@@ -280,7 +276,7 @@ bool ToolTrackerImpl::measure(int index, const Mat& image, const TemplateSet* ah
         tool.correction = correction;
         return true;
     }
-    if (!(tool.confirmed < settlingFrames && correctFromHandEye(tool)) && !tool.filter->correct(nominalPoints_, imagePoints_, used_)) return false;
+    if (!(tool.settles() && correctFromHandEye(tool)) && !tool.filter->correct(nominalPoints_, imagePoints_, used_)) return false;
     size_t kept = 0;
     for (size_t i = 0; i < used_.size(); i++)
         if (used_[i]) tool.inliers[kept++] = tool.inliers[i];

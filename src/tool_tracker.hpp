@@ -29,8 +29,12 @@ struct TrackedTool
     std::vector<PartMatch> inliers;
 
     bool starts() const { return state == STATE_INITIALIZING && confirmed == 0; }
-    // Where a tool is not known, nothing can be drawn ahead.
-    bool usesDrawnAhead() const { return !starts() && state != STATE_LOST; }
+    /* So many first frames are each taken in from the hand-eye calibration alone. Their points lean towards where the templates
+       were drawn: a filter that believed them together would keep the error of the first pose, most of it depth, for minutes. */
+    static const int settlingFrames = 6;
+    bool settles() const { return confirmed < settlingFrames; }
+    // Where a tool is not known yet, nothing can be drawn ahead.
+    bool usesDrawnAhead() const { return !settles() && state != STATE_LOST; }
 };
 
 double meanSimilarity(const std::vector<PartMatch>& matches);

@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "test_common.hpp"
+#include <numeric>
 
 namespace opencv_test { namespace {
 
@@ -96,8 +97,7 @@ TEST(SurgTrack_QGOMatcher, findsEveryPartWhereItWasPasted)
     const PosedTool views[] = {PosedTool(0.1, 0.3, 1.1, 0.35), PosedTool(0.09, 2.5, 1.1, -0.3), PosedTool(0.14, -1.9, 2.1, 0.5)};
     const Point shifts[] = {Point(0, 0), Point(7, -5), Point(-23, 17), Point(31, 29)};
     Ptr<QGOMatcher> matcher = QGOMatcher::create();
-    double sum = 0;
-    int count = 0;
+    std::vector<double> offs;
     for (const PosedTool& view : views)
     {
         const std::vector<PartTemplate> templates = templatesOf(camera, view);
@@ -120,15 +120,17 @@ TEST(SurgTrack_QGOMatcher, findsEveryPartWhereItWasPasted)
                     EXPECT_EQ(t.imagePoint, m.predictedPoint);
                     if (seen[m.templateIndex]++) continue;   // the first of a part is its best
                     const double off = cv::norm(m.imagePoint - t.imagePoint - Point2d(shift));
-                    EXPECT_LT(off, 1.3) << "part " << t.part << ", " << shift;   // spreading flattens peaks to 5 x 5, their centre is known better; the worst of 208 is 1.05
-                    sum += off;
-                    count++;
+                    EXPECT_LT(off, 2.5) << "part " << t.part << ", " << shift;   // half of the 5 x 5 pixels to which spreading flattens a peak
+                    offs.push_back(off);
                     EXPECT_GT(m.similarity, 0.9) << "part " << t.part << ", " << shift;   // all but the background's edges and the vote's ties agree
                 }
                 for (size_t i = 0; i < templates.size(); i++) EXPECT_GE(seen[i], 1) << "part " << templates[i].part << ", " << shift;
             }
     }
-    EXPECT_LT(sum / count, 0.5) << count;   // measured: 0.42; the background pulls at outlines
+    std::sort(offs.begin(), offs.end());
+    EXPECT_LT(std::accumulate(offs.begin(), offs.end(), 0.) / offs.size(), 0.25);   // measured: 0.15; the background pulls at outlines
+    EXPECT_LT(offs[offs.size() * 95 / 100], 0.7);   // measured: 0.48
+    EXPECT_LT(offs[offs.size() * 99 / 100], 1.3);   // measured: 1.13, and 1.46 the worst of 192: shafts, whose peaks are ridges
 }
 
 TEST(SurgTrack_QGOMatcher, anExactCopyIsFoundWithoutBias)

@@ -199,11 +199,11 @@ TEST(SurgTrack_RenderAhead, anErrorOfTheThreadIsThrownByUpdate)
     tracker->addTool(geared, r.scene->nominal_T_base(0));
     undisturbed->addTool(geared, r.scene->nominal_T_base(0));
     int thrown = 0;
-    for (int frame = 0; frame < 10; frame++)
+    for (int frame = 0; frame < 14; frame++)
     {
         Joints joints = r.joints(frame);
         joints[0].push_back(0);
-        if (frame == 5)
+        if (frame == 9)   // by then tools are drawn ahead
         {
             Joints huge = joints;
             huge[0].back() = 1e308;
@@ -214,7 +214,7 @@ TEST(SurgTrack_RenderAhead, anErrorOfTheThreadIsThrownByUpdate)
         const std::string text = errorText([&]() { tracker->update(r.images[frame], r.time(frame), joints, b); });
         if (!text.empty())
         {
-            EXPECT_EQ(5, frame);
+            EXPECT_EQ(9, frame);
             EXPECT_NE(std::string::npos, text.find("rigid")) << text;
             EXPECT_TRUE(b.empty());
             thrown++;
