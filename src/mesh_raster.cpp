@@ -20,6 +20,9 @@ void RasterTarget::create(Size size)
     w_.assign(pixels, 0.f);
     surface_.assign(pixels, 0);
     farthest_.assign(tiles, 0.f);
+    changed_.reserve(roomFor(tiles, changed_.capacity()));
+    changed_.assign(tiles, uchar(0));
+    changed = &changed_[0];
     w = alignPtr(&w_[0], int(line * sizeof(float)));
     surface = alignPtr(&surface_[0], int(line * sizeof(int)));
     farthest = &farthest_[0];

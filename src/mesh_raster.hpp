@@ -44,6 +44,7 @@ struct RasterTarget
 
     static const int tile = 8;      // [pixel]
     float* farthest;       // least w in each tile of tile x tile pixels, or less; FLT_MAX where nothing is to be drawn
+    uchar* changed;        // 1 for tiles drawn into since
     size_t tileStep;
 
     struct Item
@@ -57,6 +58,7 @@ struct RasterTarget
 private:
     std::vector<float> w_, farthest_;
     std::vector<int> surface_;
+    std::vector<uchar> changed_;
 };
 
 //! Draws meshes.

@@ -33,6 +33,7 @@ namespace {
 const float nearPlane = 0.002f;     // [m]; nothing nearer is drawn: no endoscope sees it
 const int maxEdge = 32 * 256;       // [1/256 pixel]; longer edges are halved. Edge functions stay below 2^28.
 const int tile = RasterTarget::tile;
+const size_t updateEvery = 16;      // clusters; a tile changes with several neighbours
 
 // The few operations used below, for a vector and for a single number.
 #if CV_SIMD
@@ -212,6 +213,7 @@ public:
                 id_ = L::all(256 * instance.id);
             }
             draw(*instance.mesh, instance.mesh->clusters[target_.order[i].cluster]);
+            if (i % updateEvery == updateEvery - 1) updateTiles();
         }
     }
 
@@ -289,19 +291,27 @@ private:
     }
 
     // The depth map has changed on these pixels.
-    void updateTiles(const Rect& pixels)
+    void mark(const Rect& pixels)
     {
-        const int x1 = (pixels.x + pixels.width - 1) / tile, y1 = (pixels.y + pixels.height - 1) / tile;
-        for (int y = pixels.y / tile; y <= y1; y++)
-            for (int x = pixels.x / tile; x <= x1; x++)
+        const int x0 = pixels.x / tile, x1 = (pixels.x + pixels.width - 1) / tile, y1 = (pixels.y + pixels.height - 1) / tile;
+        for (int y = pixels.y / tile; y <= y1; y++) std::fill(target_.changed + y * target_.tileStep + x0, target_.changed + y * target_.tileStep + x1 + 1, uchar(1));
+    }
+
+    void updateTiles()
+    {
+        for (int y = 0; y * tile < view_.height; y++)
+            for (int x = 0; x * tile < view_.width; x++)
             {
-                if (target_.farthest[y * target_.tileStep + x] == FLT_MAX) continue;
+                const size_t at = y * target_.tileStep + x;
+                if (!target_.changed[at]) continue;
+                target_.changed[at] = 0;
+                if (target_.farthest[at] == FLT_MAX) continue;
                 typename L::Float farthest = L::all(FLT_MAX);
                 const int rows = std::min(int(tile), view_.height - y * tile);
                 const float* w = target_.w + size_t(y) * tile * target_.step + x * tile;
-                for (int j = 0; j < rows; j++)
-                    for (int i = 0; i < tile; i += L::count()) farthest = L::least(farthest, L::load(w + j * target_.step + i));
-                target_.farthest[y * target_.tileStep + x] = L::reduceLeast(farthest);
+                for (int j = 0; j < rows; j++, w += target_.step)
+                    for (int i = 0; i < tile; i += L::count()) farthest = L::least(farthest, L::load(w + i));
+                target_.farthest[at] = L::reduceLeast(farthest);
             }
     }
 
@@ -342,7 +352,7 @@ private:
                           image_.u[b], image_.v[b], image_.w[b], image_.shade[b], pixels);
             }
         }
-        if (!clipping) updateTiles(box);
+        if (!clipping) mark(box);
     }
 
     // Of as many triangles as a vector has elements, those that may hold a pixel's centre and show their face, as bits; and the
@@ -542,7 +552,7 @@ private:
             area = -area;
         }
         // Edge functions e = (q - p) x (point - p), positive inside; their sum is `area`.
-        const int sx = (pixels.x << 8) - ax, sy = (pixels.y << 8) - ay, width = pixels.width;
+        const int sx = (pixels.x << 8) - ax, sy = (pixels.y << 8) - ay, width = pixels.width, height = pixels.height;
         const int ab = (bx - ax) * sy - (by - ay) * sx, ca = (ax - cx) * sy - (ay - cy) * sx, bc = area - ab - ca;
         const int abX = (ay - by) << 8, bcX = (by - cy) << 8, caX = (cy - ay) << 8;   // a pixel to the right
         const int abY = (bx - ax) << 8, bcY = (cx - bx) << 8, caY = (ax - cx) << 8;   // a pixel down
@@ -552,11 +562,12 @@ private:
         const I steps = L::load(steps_);
         I toC = add(L::all(ab), mul(steps, L::all(abX))), toA = add(L::all(bc), mul(steps, L::all(bcX))), toB = add(L::all(ca), mul(steps, L::all(caX)));
         const I toCDown = L::all(abY), toADown = L::all(bcY), toBDown = L::all(caY);
-        float* w = target_.w + size_t(pixels.y) * target_.step + pixels.x;
-        int* to = target_.surface + size_t(pixels.y) * target_.step + pixels.x;
+        const size_t step = target_.step;
+        float* w = target_.w + size_t(pixels.y) * step + pixels.x;
+        int* to = target_.surface + size_t(pixels.y) * step + pixels.x;
         if (width <= L::count())
         {
-            for (int y = 0; y < pixels.height; y++, w += target_.step, to += target_.step)
+            for (int y = 0; y < height; y++, w += step, to += step)
             {
                 put(w, to, toA, toB, toC, surface);
                 toA = add(toA, toADown);
@@ -566,14 +577,15 @@ private:
             return;
         }
         const float abSlope = abX ? -1 / float(abX) : 0.f, bcSlope = bcX ? -1 / float(bcX) : 0.f, caSlope = caX ? -1 / float(caX) : 0.f;
-        for (int y = 0; y < pixels.height; y++, w += target_.step, to += target_.step)
+        for (int y = 0; y < height; y++, w += step, to += step)
         {
             // Where the edges cross the row, give or take a pixel: slivers leave most of their box empty.
             float lo = 0, hi = float(width - 1);
             bound(ab + y * abY, abX, abSlope, lo, hi);
             bound(bc + y * bcY, bcX, bcSlope, lo, hi);
             bound(ca + y * caY, caX, caSlope, lo, hi);
-            for (int x = int(lo); x < std::min(width, int(hi + 2)); x += L::count())
+            const int end = std::min(width, int(hi + 2));
+            for (int x = int(lo); x < end; x += L::count())
                 put(w + x, to + x, add(toA, L::all(x * bcX)), add(toB, L::all(x * caX)), add(toC, L::all(x * abX)), surface);
             toA = add(toA, toADown);
             toB = add(toB, toBDown);

@@ -37,9 +37,7 @@ inline bool isZero8(const uchar* p)
 
 inline uchar bitIndex(int oneBit)
 {
-    uchar index = 0;
-    while (!(oneBit >> index & 1)) index++;
-    return index;
+    return uchar((oneBit & 0xf0 ? 4 : 0) + (oneBit & 0xcc ? 2 : 0) + (oneBit & 0xaa ? 1 : 0));
 }
 
 // Some light from everywhere, as tissue reflects it, and a background that outlines stand out from.
@@ -170,12 +168,16 @@ Mat take(std::vector<uchar>& memory, Size size)
 void PartTemplateRendererImpl::light()
 {
     picture_ = take(pictureMemory_, rendering_.window.size());
-    const int scale = cvRound((1 - ambient) * 65536), offset = cvRound((255 * ambient + 0.5) * 65536);
+    const int scale = cvRound((1 - ambient) * 65536), offset = cvRound((255 * ambient + 0.5) * 65536), width = picture_.cols;
     for (int y = 0; y < picture_.rows; y++)
     {
         const uchar *shading = rendering_.shading.ptr(y), *ids = rendering_.ids.ptr(y);
         uchar* picture = picture_.ptr(y);
-        for (int x = 0; x < picture_.cols; x++) picture[x] = ids[x] ? uchar((shading[x] * scale + offset) >> 16) : background;
+        for (int x = 0; x < width; x++)
+        {
+            const uchar lit = uchar((shading[x] * scale + offset) >> 16);
+            picture[x] = ids[x] ? lit : background;
+        }
     }
 }
 
@@ -186,8 +188,9 @@ void PartTemplateRendererImpl::cut(PartTemplate& t, const Size2d& box, int id)
     const int hx = cvRound(box.width / 2), hy = cvRound(box.height / 2);
     const Rect inner = Rect(1, 1, rendering_.window.width - 2, rendering_.window.height - 2);
     const Rect area = Rect(at.x - hx, at.y - hy, 2 * hx + 1, 2 * hy + 1) & inner;
-    found_.clear();
-    found_.reserve(roomFor(area.area(), found_.capacity()));
+    found_.resize(roomFor(area.area() + 1, found_.size()));
+    TemplateFeature* const first = &found_[0];
+    TemplateFeature* next = first;
     for (int y = area.y; y < area.y + area.height; y++)
     {
         const uchar* bits = orientations_.ptr(y);
@@ -197,17 +200,16 @@ void PartTemplateRendererImpl::cut(PartTemplate& t, const Size2d& box, int id)
             while (x + 8 <= end && isZero8(bits + x)) x += 8;
             if (x >= end) break;
             if (!bits[x] || (ids[x] != id && ids[x - 1] != id && ids[x + 1] != id && above[x] != id && below[x] != id)) continue;
-            TemplateFeature f;
-            f.x = short(x - at.x);
-            f.y = short(y - at.y);
-            f.bin = bitIndex(bits[x]);
-            found_.push_back(f);
+            next->x = short(x - at.x);
+            next->y = short(y - at.y);
+            next->bin = bitIndex(bits[x]);
+            next++;
         }
     }
-    const size_t n = std::min(found_.size(), size_t(params_.maxFeatures));
+    const size_t found = next - first, n = std::min(found, size_t(params_.maxFeatures));
     t.features.reserve(params_.maxFeatures);
     t.features.resize(n);
-    for (size_t i = 0; i < n; i++) t.features[i] = found_[i * found_.size() / n];
+    for (size_t i = 0; i < n; i++) t.features[i] = found_[i * found / n];
 
     int left = 0, right = 0, top = 0, bottom = 0;
     for (size_t i = 0; i < n; i++)
