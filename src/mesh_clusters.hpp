@@ -34,7 +34,7 @@ struct ClusteredMesh
 };
 
 //! One normal per vertex, and triangles that refer to vertices that exist: as MeshRenderer::addMesh() has checked.
-ClusteredMesh clusterMesh(const Mesh& mesh);
+CV_EXPORTS ClusteredMesh clusterMesh(const Mesh& mesh);
 
 }} // namespace cv::surgtrack
 

@@ -8,6 +8,34 @@
 
 namespace cv { namespace surgtrack {
 
+// Drawn without clipping: this far around the window, but hardly beyond the image, where a lens model may fold back.
+const double windowGuard = 64;      // [pixel]
+const double imageGuard = 0.02;     // of the image's field of view
+
+RasterView rasterView(const CameraModel& camera, const Rect& window)
+{
+    RasterView v;
+    v.fx = float(256 * camera.fx);
+    v.fy = float(256 * camera.fy);
+    v.cx = float(256 * (camera.cx - window.x));
+    v.cy = float(256 * (camera.cy - window.y));
+    for (int i = 0; i < 12; i++) v.k[i] = float(camera.k[i]);
+    v.distorted = camera.hasDistortion();
+    v.width = window.width;
+    v.height = window.height;
+    const Rect2d seen = camera.fieldOfView(window), all = camera.fieldOfView(Rect(Point(), camera.imageSize()));
+    v.left = float(seen.x);
+    v.right = float(seen.x + seen.width);
+    v.top = float(seen.y);
+    v.bottom = float(seen.y + seen.height);
+    const double gx = windowGuard / camera.fx, gy = windowGuard / camera.fy, hx = imageGuard * all.width, hy = imageGuard * all.height;
+    v.guardLeft = float(std::max(seen.x - gx, all.x - hx));
+    v.guardRight = float(std::min(seen.x + seen.width + gx, all.x + all.width + hx));
+    v.guardTop = float(std::max(seen.y - gy, all.y - hy));
+    v.guardBottom = float(std::min(seen.y + seen.height + gy, all.y + all.height + hy));
+    return v;
+}
+
 void RasterTarget::create(Size size)
 {
     const size_t overrun = 32, line = 16;   // elements

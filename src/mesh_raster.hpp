@@ -5,7 +5,10 @@
 #ifndef OPENCV_SURGTRACK_SRC_MESH_RASTER_HPP
 #define OPENCV_SURGTRACK_SRC_MESH_RASTER_HPP
 
+#include "opencv2/surgtrack/camera.hpp"
 #include "mesh_clusters.hpp"
+
+// Exported for the tests alone.
 
 namespace cv { namespace surgtrack {
 
@@ -20,6 +23,8 @@ struct RasterView
     float left, right, top, bottom, guardLeft, guardRight, guardTop, guardBottom;
 };
 
+CV_EXPORTS RasterView rasterView(const CameraModel& camera, const Rect& window);
+
 //! A mesh to be drawn.
 struct RasterInstance
 {
@@ -29,7 +34,7 @@ struct RasterInstance
 };
 
 //! What is drawn into, and workspace that is kept from drawing to drawing.
-struct RasterTarget
+struct CV_EXPORTS RasterTarget
 {
     //! Empties it. Everything is to be drawn.
     void create(Size size);
@@ -62,11 +67,11 @@ private:
 };
 
 //! Draws meshes.
-void rasterize(const RasterView& view, const std::vector<RasterInstance>& instances, RasterTarget& target);
+CV_EXPORTS void rasterize(const RasterView& view, const std::vector<RasterInstance>& instances, RasterTarget& target);
 
 //! The same without vector instructions; the result is the same bit for bit.
 namespace plain {
-void rasterize(const RasterView& view, const std::vector<RasterInstance>& instances, RasterTarget& target);
+CV_EXPORTS void rasterize(const RasterView& view, const std::vector<RasterInstance>& instances, RasterTarget& target);
 } // namespace plain
 
 //! A row of the target, as the maps of a Rendering.

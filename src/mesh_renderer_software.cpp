@@ -8,10 +8,6 @@
 
 namespace cv { namespace surgtrack { namespace {
 
-// Drawn without clipping: this far around the window, but hardly beyond the image, where a lens model may fold back.
-const double windowGuard = 64;      // [pixel]
-const double imageGuard = 0.02;     // of the image's field of view
-
 class SoftwareRenderer CV_FINAL : public MeshRenderer
 {
 public:
@@ -40,30 +36,6 @@ int SoftwareRenderer::addMesh(const Mesh& mesh)
             CV_CheckLT((size_t)mesh.triangles[i][j], mesh.vertices.size(), "triangle refers to a vertex that does not exist");
     meshes_.push_back(clusterMesh(mesh));
     return int(meshes_.size()) - 1;
-}
-
-RasterView rasterView(const CameraModel& camera, const Rect& window)
-{
-    RasterView v;
-    v.fx = float(256 * camera.fx);
-    v.fy = float(256 * camera.fy);
-    v.cx = float(256 * (camera.cx - window.x));
-    v.cy = float(256 * (camera.cy - window.y));
-    for (int i = 0; i < 12; i++) v.k[i] = float(camera.k[i]);
-    v.distorted = camera.hasDistortion();
-    v.width = window.width;
-    v.height = window.height;
-    const Rect2d seen = camera.fieldOfView(window), all = camera.fieldOfView(Rect(Point(), camera.imageSize()));
-    v.left = float(seen.x);
-    v.right = float(seen.x + seen.width);
-    v.top = float(seen.y);
-    v.bottom = float(seen.y + seen.height);
-    const double gx = windowGuard / camera.fx, gy = windowGuard / camera.fy, hx = imageGuard * all.width, hy = imageGuard * all.height;
-    v.guardLeft = float(std::max(seen.x - gx, all.x - hx));
-    v.guardRight = float(std::min(seen.x + seen.width + gx, all.x + all.width + hx));
-    v.guardTop = float(std::max(seen.y - gy, all.y - hy));
-    v.guardBottom = float(std::min(seen.y + seen.height + gy, all.y + all.height + hy));
-    return v;
 }
 
 void SoftwareRenderer::render(const CameraModel& camera, const Rect& window, const std::vector<MeshInstance>& instances, Rendering& rendering,
