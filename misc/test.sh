@@ -157,6 +157,8 @@ run_samples() {
   sample "track_sequence.py" python_cv2 "$REPO/samples/track_sequence.py" --sequence="$work/sequence" \
     --poses="$work/python.csv" --frames="$frames" --render-ahead
   sample "its poses file" poses_complete "$work/python.csv" "$frames"
+  sample "plot_performance.py" "$PYTHON" "$REPO/samples/plot_performance.py" "$LOGS/perf.xml" --markdown="$work/performance.md"
+  sample "its table" grep -q 'Tools Tracker update' "$work/performance.md"
   sample "refused: no such sequence" refuses "$work/none" "$track" --sequence="$work/none"
   sample "refused: no such method" refuses method "$track" --sequence="$work/sequence" --method=none
   sample "refused: output folder missing" refuses "$work/none/poses.csv" "$track" --sequence="$work/sequence" \
@@ -193,7 +195,7 @@ run_unittest "Python tests" "$LOGS/test-python.log" \
 
 step "Performance tests, one sample each"
 run_gtest "performance tests" "$LOGS/perf.log" env -u DISPLAY "$BUILD_DIR/bin/opencv_perf_surgtrack" \
-  --perf_min_samples=1 --perf_force_samples=1 --perf_strategy=simple
+  --perf_min_samples=1 --perf_force_samples=1 --perf_strategy=simple "--gtest_output=xml:$LOGS/perf.xml"
 
 step "Samples"
 run_samples
