@@ -158,16 +158,9 @@ bool PartTemplateRendererImpl::isVisible(const Point& p, double z, int id, doubl
     return false;
 }
 
-// A matrix in memory that only grows.
-Mat take(std::vector<uchar>& memory, Size size)
-{
-    memory.resize(roomFor(size.area(), memory.size()));
-    return Mat(size, CV_8UC1, &memory[0]);
-}
-
 void PartTemplateRendererImpl::light()
 {
-    picture_ = take(pictureMemory_, rendering_.window.size());
+    picture_ = keptImage(pictureMemory_, rendering_.window.size());
     const int scale = cvRound((1 - ambient) * 65536), offset = cvRound((255 * ambient + 0.5) * 65536), width = picture_.cols;
     for (int y = 0; y < picture_.rows; y++)
     {
@@ -278,7 +271,7 @@ void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vect
     placeInstances(views, tool, moved);
     renderer_->render(camera, window, instances_, rendering_, boxes_);
     light();
-    orientations_ = take(orientationMemory_, window.size());
+    orientations_ = keptImage(orientationMemory_, window.size());
     quantize(picture_, Rect(Point(), picture_.size()), leastStrength(params_.magnitudeThreshold), orientations_, workspace_);
 
     // Features are swapped, not copied, between these and the caller's templates of the frame before.

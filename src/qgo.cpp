@@ -21,6 +21,12 @@ void checkImage(const Mat& image)
                                                      typeToString(image.type()).c_str(), image.cols, image.rows));
 }
 
+Mat keptImage(std::vector<uchar>& memory, const Size& size)
+{
+    memory.resize(roomFor(size.area(), memory.size()));
+    return Mat(size, CV_8UC1, &memory[0]);
+}
+
 namespace plain {
 
 // One channel of an area, blurred.

@@ -13,6 +13,9 @@ namespace cv { namespace surgtrack {
 //! The threshold of quantizeOrientations() in the kernels' units.
 int leastStrength(double magnitudeThreshold);
 
+//! A CV_8UC1 image in memory that only grows, so that windows of changing size take none.
+Mat keptImage(std::vector<uchar>& memory, const Size& size);
+
 /** quantizeOrientations() of a window that lies in the image.
 @param orientations of the window's size
 @param workspace memory that is kept from call to call */

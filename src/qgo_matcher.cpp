@@ -220,13 +220,6 @@ private:
 
 const int overrun = 64;   // a row of a kernel may
 
-// An image in memory that only grows.
-Mat reserved(std::vector<uchar>& memory, const Size& size)
-{
-    if (memory.size() < size_t(size.area())) memory.resize(size.area());
-    return Mat(size, CV_8UC1, &memory[0]);
-}
-
 // Offsets of a template's features from its keypoint.
 Rect reachOf(const PartTemplate& t)
 {
@@ -258,9 +251,8 @@ void QGOMatcherImpl::setImage(InputArray _image, const Rect& roi)
     covered_ = Rect();
     coarseReady_ = false;
     if (roi_.empty()) return;
-    // Views of what is kept, so that regions of changing size need no new memory.
-    orientations_ = reserved(orientationMemory_, roi_.size());
-    spread_ = reserved(spreadMemory_, roi_.size());
+    orientations_ = keptImage(orientationMemory_, roi_.size());
+    spread_ = keptImage(spreadMemory_, roi_.size());
     quantize(image, roi_, leastStrength(params_.magnitudeThreshold), orientations_, workspace_);
     spread(orientations_, spread_, params_.spread, workspace_);
 }
