@@ -15,7 +15,7 @@ String stateName(int state)
 
 ToolEstimate::ToolEstimate()
     : state(STATE_INITIALIZING), camera_T_tool(Matx44d::eye()), camera_T_nominal(Matx44d::eye()), covariance(Matx66d::zeros()),
-      visibleParts(0), inliers(0), similarity(0), nis(0)
+      visibleParts(0), inliers(0), similarity(0), contourSupport(0), nis(0)
 {
 }
 
@@ -62,7 +62,7 @@ ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params
       pixelScale_(camera_.imageSize().width / double(referenceWidth)), time_(-DBL_MAX)
 {
     CV_Assert(!camera.imageSize().empty());
-    CV_Check(params.method, params.method == METHOD_PAPER || params.method == METHOD_EPNP, "Params::method: no such method");
+    CV_Check(params.method, params.method >= METHOD_PAPER && params.method <= METHOD_FULL, "Params::method: no such method");
     CV_CheckGE(params.minInitialInliers, 4, "Params::minInitialInliers: EPnP needs four points");
     CV_Check(params.initialWindow, params.initialWindow > 0 && params.initialWindow < DBL_MAX, "Params::initialWindow must be positive");
     CV_Check(params.minWindow, params.minWindow > 0 && params.minWindow < 1e5, "Params::minWindow must be positive");
@@ -79,6 +79,13 @@ ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params
     verifier_ = GeometricContextVerifier::create(context);
     context.minInliers = params.minInitialInliers;
     startVerifier_ = GeometricContextVerifier::create(context);
+}
+
+void ToolTrackerImpl::setRightCamera(const CameraModel& right, const Matx44d& right_T_left)
+{
+    if (params_.method != METHOD_FULL) CV_Error(Error::StsBadArg, "Params::method: only METHOD_FULL uses a right camera");
+    CV_Assert(!right.imageSize().empty());
+    if (!isRigid(right_T_left)) CV_Error(Error::StsBadArg, "right_T_left must be a rigid transform");
 }
 
 int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base)
@@ -334,6 +341,7 @@ void ToolTrackerImpl::report(const TrackedTool& tool, const ToolView& view, Tool
     e.visibleParts = tool.visibleParts;
     e.inliers = int(tool.inliers.size());
     e.similarity = tool.similarity;
+    e.jointOffsets.assign(tool.coordinates, 0.);
     e.nis = tool.nis;
     e.matches.reserve(tool.inliers.capacity());
     e.matches = tool.inliers;
@@ -373,6 +381,12 @@ void ToolTrackerImpl::update(InputArray _image, double time, const std::vector<s
     if (ahead_) ahead_->nextFrame();
     for (size_t i = 0; i < tools_.size(); i++) report(tools_[i], views_[i], estimates[i]);
     times_.endFrame();
+}
+
+void ToolTrackerImpl::updateStereo(InputArray left, InputArray, double time, const std::vector<std::vector<double> >& joints,
+                                   std::vector<ToolEstimate>& estimates)
+{
+    update(left, time, joints, estimates);
 }
 
 Ptr<ToolTracker> ToolTracker::create(const CameraModel& camera, const Params& params)

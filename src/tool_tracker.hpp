@@ -45,8 +45,11 @@ class ToolTrackerImpl CV_FINAL : public ToolTracker
 public:
     ToolTrackerImpl(const CameraModel& camera, const Params& params);
 
+    void setRightCamera(const CameraModel& right, const Matx44d& right_T_left) CV_OVERRIDE;
     int addTool(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base) CV_OVERRIDE;
     void update(InputArray image, double time, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates) CV_OVERRIDE;
+    void updateStereo(InputArray left, InputArray right, double time, const std::vector<std::vector<double> >& joints,
+                      std::vector<ToolEstimate>& estimates) CV_OVERRIDE;
     void renderAhead(const std::vector<std::vector<double> >& joints) CV_OVERRIDE;
     void reset(int tool) CV_OVERRIDE;
     std::vector<StageTime> getTimings() const CV_OVERRIDE { return times_.get(); }

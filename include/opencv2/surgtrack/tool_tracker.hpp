@@ -19,7 +19,8 @@ namespace cv { namespace surgtrack {
 enum TrackingMethod
 {
     METHOD_PAPER = 0,   //!< @cite ye2016realtime as published: six-state filter on the hand-eye correction
-    METHOD_EPNP = 1     //!< the paper's baseline: EPnP on the matches of each frame alone
+    METHOD_EPNP = 1,    //!< the paper's baseline: EPnP on the matches of each frame alone
+    METHOD_FULL = 2     //!< with joint offsets, outlines, both eyes and a verdict that can be relied on
 };
 
 //! What an estimate is worth.
@@ -43,9 +44,11 @@ struct CV_EXPORTS_W_SIMPLE ToolEstimate
     CV_PROP Matx44d camera_T_tool;       //!< pose of the end effector in the camera frame [m]
     CV_PROP Matx44d camera_T_nominal;    //!< the correction of the hand-eye calibration
     CV_PROP Matx66d covariance;          //!< of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame; zero with METHOD_EPNP
+    CV_PROP std::vector<double> jointOffsets;   //!< METHOD_FULL: one per coordinate, what is added to the reading [rad or m]; else zeros
     CV_PROP int visibleParts;            //!< parts that had a template
     CV_PROP int inliers;                 //!< matches that agreed on the geometric context and went into the pose
     CV_PROP double similarity;           //!< mean similarity of the inliers, 0..1; 0 without inliers
+    CV_PROP double contourSupport;       //!< METHOD_FULL: share of the visible outline that has an edge in the image where it should be, 0..1; else 0
     CV_PROP double nis;                  //!< normalised innovation squared per degree of freedom; about 1 if the filter is consistent; 0 with METHOD_EPNP
     CV_PROP std::vector<PartMatch> matches;   //!< the inliers
 };
@@ -93,6 +96,11 @@ public:
 
     virtual ~ToolTracker() {}
 
+    /** @brief Makes the right eye known, for updateStereo(); METHOD_FULL only.
+    @param right its intrinsics and distortion
+    @param right_T_left pose of the left camera in the frame of the right one [m] */
+    CV_WRAP virtual void setRightCamera(const CameraModel& right, const Matx44d& right_T_left) = 0;
+
     /** @brief Adds a tool.
     @param model the tool
     @param nominal_T_base where the (wrong) hand-eye calibration believes the arm's base to be, in the camera frame
@@ -108,6 +116,11 @@ public:
     state is then unchanged */
     CV_WRAP virtual void update(InputArray image, double time, const std::vector<std::vector<double> >& joints,
                                 CV_OUT std::vector<ToolEstimate>& estimates) = 0;
+
+    /** @brief Tracks one frame of both eyes, taken at the same time; setRightCamera() comes first.
+    @param left, right images of the same type, each of its camera's size. For the rest see update() */
+    CV_WRAP virtual void updateStereo(InputArray left, InputArray right, double time, const std::vector<std::vector<double> >& joints,
+                                      CV_OUT std::vector<ToolEstimate>& estimates) = 0;
 
     /** @brief Starts drawing templates in a second thread (paper, Sec. 2: two threads) and returns at once.
 
