@@ -14,8 +14,8 @@ namespace cv { namespace surgtrack {
 
 static double tune(const char* name, double v) { const char* e = getenv(name); return e ? atof(e) : v; }
 ArticulatedPoseEKF::Params::Params()
-    : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(tune("QR", 0.02) * CV_PI / 180), processTranslation(tune("QT", 0.00006)),
-      processJoint(tune("QJ", 0.007)), pointNoise(tune("RP", 3)), gate(13.8), minPoints(4), contourNoise(tune("RC", 1)), contourCorrelation(tune("CC", 3))
+    : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(tune("QR", 0.1) * CV_PI / 180), processTranslation(tune("QT", 0.0003)),
+      processJoint(tune("QJ", 0.03)), pointNoise(tune("RP", 3)), gate(13.8), minPoints(4), contourNoise(tune("RC", 1)), contourCorrelation(tune("CC", 30))
 {
 }
 

@@ -103,6 +103,7 @@ public:
 
     void sample(const CameraModel& camera, const ToolView& view, const Rendering& rendering, int id,
                 std::vector<ContourPoint>& points) CV_OVERRIDE;
+    Ptr<ToolModel> model() const CV_OVERRIDE { return model_; }
 
 private:
     struct Segment
@@ -216,6 +217,7 @@ void ToolContourImpl::sample(const CameraModel& camera, const ToolView& view, co
             if (!inside.contains(o) || !inside.contains(n)) continue;
             const int ido = rendering.ids.at<uchar>(o), idn = rendering.ids.at<uchar>(n);
             c.crease = s.crease;
+            bool inwards = false;
             if (s.crease)
             {
                 if (ido != id || idn != id) continue;
@@ -227,10 +229,13 @@ void ToolContourImpl::sample(const CameraModel& camera, const ToolView& view, co
                 const bool flip = ido != 0;
                 if ((flip ? ido : idn) != id) continue;
                 if (flip) c.normal = -c.normal;
+                inwards = flip;
                 if (p.z > rendering.depth.at<float>(flip ? o : n) + depthSlack * 3) continue;
             }
             c.link = s.link;
-            c.linkPoint = Point3d(s.a) + Point3d(s.b - s.a) * t;
+            const Point3d direction = s.b - s.a;
+            c.linkPoint = Point3d(s.a) + direction * t;
+            c.linkDirection = direction * ((inwards ? -1 : 1) / norm(direction));
             points.push_back(c);
         }
         rest = at - s.length;
@@ -244,6 +249,54 @@ void ToolContourImpl::sample(const CameraModel& camera, const ToolView& view, co
 }
 
 } // namespace
+
+void placeContour(const CameraModel& camera, const ToolView& view, std::vector<ContourPoint>& points)
+{
+    size_t kept = 0;
+    int link = -1;
+    Matx44d camera_T_link;
+    for (size_t i = 0; i < points.size(); i++)
+    {
+        ContourPoint c = points[i];
+        if (c.link != link)
+        {
+            link = c.link;
+            camera_T_link = view.camera_T_base * view.base_T_link[link];
+        }
+        const Point3d p = transform(camera_T_link, c.linkPoint);
+        if (p.z < nearest) continue;
+        const Point3d d = transform(camera_T_link, c.linkPoint + c.linkDirection) - p;
+        Matx23d J;
+        c.imagePoint = camera.project(p, &J);
+        const Point2d along(J(0, 0) * d.x + J(0, 1) * d.y + J(0, 2) * d.z, J(1, 0) * d.x + J(1, 1) * d.y + J(1, 2) * d.z);
+        const double length = norm(along);
+        if (!(length > 0)) continue;
+        c.normal = Point2d(-along.y, along.x) * (1 / length);
+        points[kept++] = c;
+    }
+    points.resize(kept);
+}
+
+std::vector<ContourPoint> ToolContour::sampleTool(const CameraModel& camera, const Matx44d& camera_T_base, InputArray joints)
+{
+    ToolView view;
+    view.camera_T_base = camera_T_base;
+    model()->forwardKinematics(joints, view.base_T_link);
+    Ptr<MeshRenderer> renderer = MeshRenderer::createSoftware();
+    std::vector<MeshInstance> instances;
+    for (size_t l = 0; l < model()->links().size(); l++)
+    {
+        const int mesh = model()->links()[l].mesh;
+        if (mesh < 0) continue;
+        const MeshInstance instance = {renderer->addMesh(model()->meshes()[mesh]), 1, camera_T_base * view.base_T_link[l]};
+        instances.push_back(instance);
+    }
+    Rendering rendering;
+    renderer->render(camera, Rect(Point(), camera.imageSize()), instances, rendering);
+    std::vector<ContourPoint> points;
+    sample(camera, view, rendering, 1, points);
+    return points;
+}
 
 Ptr<ToolContour> ToolContour::create(const Ptr<ToolModel>& model, const Params& params)
 {

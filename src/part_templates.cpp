@@ -22,7 +22,7 @@ Mat PartTemplate::getFeatures() const
 }
 
 PartTemplateRenderer::Params::Params()
-    : boxSize(0.011), minFeatures(30), maxFeatures(250), magnitudeThreshold(80), depthSlack(0.001), tipDepthSlack(0.003)
+    : boxSize(0.011), minFeatures(30), maxFeatures(250), magnitudeThreshold(80), depthSlack(0.001), wholeTool(false), tipDepthSlack(0.003)
 {
 }
 
@@ -63,6 +63,7 @@ public:
         return tools_[tool].model;
     }
     const Rendering& rendering() const CV_OVERRIDE { return rendering_; }
+    void swapRendering(Rendering& other) CV_OVERRIDE { std::swap(rendering_, other); }
 
 private:
     struct Tool
@@ -70,8 +71,10 @@ private:
         Ptr<ToolModel> model;
         int firstMesh;
         std::vector<uchar> isTip;   // a keypoint: on a link that carries no other
+        std::vector<Point3f> low, high;   // of the vertices of each mesh
     };
 
+    Rect toolWindow(const CameraModel& camera, const Rect2d& field, int tool) const;
     void placeInstances(const std::vector<ToolView>& views, int tool, const Matx44d& moved);
     bool isVisible(const Point& imagePoint, double z, int id, double slack) const;
     void light();
@@ -83,6 +86,8 @@ private:
     std::vector<MeshInstance> instances_;
     std::vector<Rect> boxes_;
     Rendering rendering_;
+    Rect window_;             // of the parts
+    Mat depth_, ids_, shading_;   // the drawing there
     Mat picture_, orientations_;
     std::vector<uchar> pictureMemory_, orientationMemory_, workspace_;
     std::vector<PartTemplate> parts_;      // in the image, of one render()
@@ -113,8 +118,69 @@ int PartTemplateRendererImpl::addTool(const Ptr<ToolModel>& model)
             if (model->links()[j].parent == keypoints[i].link) tip = 0;
         tool.isTip.push_back(tip);
     }
+    for (size_t i = 0; i < model->meshes().size(); i++)
+    {
+        const std::vector<Point3f>& vertices = model->meshes()[i].vertices;
+        Point3f low = vertices[0], high = low;
+        for (size_t j = 1; j < vertices.size(); j++)
+        {
+            low = Point3f(std::min(low.x, vertices[j].x), std::min(low.y, vertices[j].y), std::min(low.z, vertices[j].z));
+            high = Point3f(std::max(high.x, vertices[j].x), std::max(high.y, vertices[j].y), std::max(high.z, vertices[j].z));
+        }
+        tool.low.push_back(low);
+        tool.high.push_back(high);
+    }
     tools_.push_back(tool);
     return int(tools_.size()) - 1;
+}
+
+// A window of the image that holds all that is seen of a tool: of the boxes about its meshes.
+Rect PartTemplateRendererImpl::toolWindow(const CameraModel& camera, const Rect2d& field, int index) const
+{
+    const double nearest = 5e-3;   // [m]
+    const Tool& tool = tools_[index];
+    double left = DBL_MAX, right = -DBL_MAX, top = DBL_MAX, bottom = -DBL_MAX;
+    for (size_t i = 0; i < instances_.size(); i++)
+    {
+        if (instances_[i].id != index + 1) continue;
+        const int mesh = instances_[i].mesh - tool.firstMesh;
+        Point3d corners[8];
+        for (int c = 0; c < 8; c++)
+            corners[c] = transform(instances_[i].camera_T_mesh, Point3d(c & 1 ? tool.high[mesh].x : tool.low[mesh].x,
+                                                                        c & 2 ? tool.high[mesh].y : tool.low[mesh].y,
+                                                                        c & 4 ? tool.high[mesh].z : tool.low[mesh].z));
+        for (int c = 0; c < 8; c++)
+            for (int axis = 1; axis < 8; axis *= 2)
+            {
+                if (c & axis) continue;
+                Point3d p = corners[c], q = corners[c | axis];
+                if (p.z < nearest && q.z < nearest) continue;
+                if (p.z < nearest) p = p + (q - p) * ((nearest - p.z) / (q.z - p.z));
+                if (q.z < nearest) q = q + (p - q) * ((nearest - q.z) / (p.z - q.z));
+                left = std::min(left, std::min(p.x / p.z, q.x / q.z));
+                right = std::max(right, std::max(p.x / p.z, q.x / q.z));
+                top = std::min(top, std::min(p.y / p.z, q.y / q.z));
+                bottom = std::max(bottom, std::max(p.y / p.z, q.y / q.z));
+            }
+    }
+    left = std::max(left, field.x);
+    right = std::min(right, field.x + field.width);
+    top = std::max(top, field.y);
+    bottom = std::min(bottom, field.y + field.height);
+    if (!(left < right && top < bottom)) return Rect();
+    double x0 = DBL_MAX, x1 = -DBL_MAX, y0 = DBL_MAX, y1 = -DBL_MAX;
+    const int samples = 8;   // of a border, which a lens bends
+    for (int i = 0; i <= samples; i++)
+        for (int side = 0; side < 4; side++)
+        {
+            const double s = double(i) / samples, x = left + (right - left) * s, y = top + (bottom - top) * s;
+            const Point2d p = camera.project(side == 0 ? Point3d(x, top, 1) : side == 1 ? Point3d(x, bottom, 1) : side == 2 ? Point3d(left, y, 1) : Point3d(right, y, 1));
+            x0 = std::min(x0, p.x);
+            x1 = std::max(x1, p.x);
+            y0 = std::min(y0, p.y);
+            y1 = std::max(y1, p.y);
+        }
+    return Rect(Point(cvFloor(x0) - 3, cvFloor(y0) - 3), Point(cvCeil(x1) + 4, cvCeil(y1) + 4)) & Rect(Point(), camera.imageSize());
 }
 
 // All meshes of all tools, the wanted one moved; a tool's number plus one is the id of its meshes.
@@ -152,19 +218,19 @@ Matx44d hypothesis(const Point3d& centre, double scale, double angle)
 // Looks at the keypoint's pixel and its neighbours: keypoints on an outline project beside it as often as on it.
 bool PartTemplateRendererImpl::isVisible(const Point& p, double z, int id, double slack) const
 {
-    for (int y = std::max(p.y - 1, 0); y <= std::min(p.y + 1, rendering_.window.height - 1); y++)
-        for (int x = std::max(p.x - 1, 0); x <= std::min(p.x + 1, rendering_.window.width - 1); x++)
-            if (rendering_.ids.at<uchar>(y, x) == id && z <= rendering_.depth.at<float>(y, x) + slack) return true;
+    for (int y = std::max(p.y - 1, 0); y <= std::min(p.y + 1, window_.height - 1); y++)
+        for (int x = std::max(p.x - 1, 0); x <= std::min(p.x + 1, window_.width - 1); x++)
+            if (ids_.at<uchar>(y, x) == id && z <= depth_.at<float>(y, x) + slack) return true;
     return false;
 }
 
 void PartTemplateRendererImpl::light()
 {
-    picture_ = keptImage(pictureMemory_, rendering_.window.size());
+    picture_ = keptImage(pictureMemory_, window_.size());
     const int scale = cvRound((1 - ambient) * 65536), offset = cvRound((255 * ambient + 0.5) * 65536), width = picture_.cols;
     for (int y = 0; y < picture_.rows; y++)
     {
-        const uchar *shading = rendering_.shading.ptr(y), *ids = rendering_.ids.ptr(y);
+        const uchar *shading = shading_.ptr(y), *ids = ids_.ptr(y);
         uchar* picture = picture_.ptr(y);
         for (int x = 0; x < width; x++)
         {
@@ -177,9 +243,9 @@ void PartTemplateRendererImpl::light()
 // Features on the tool's pixels and the one pixel around them, thinned evenly to maxFeatures.
 void PartTemplateRendererImpl::cut(PartTemplate& t, const Size2d& box, int id)
 {
-    const Point at = t.anchor - rendering_.window.tl();
+    const Point at = t.anchor - window_.tl();
     const int hx = cvRound(box.width / 2), hy = cvRound(box.height / 2);
-    const Rect inner = Rect(1, 1, rendering_.window.width - 2, rendering_.window.height - 2);
+    const Rect inner = Rect(1, 1, window_.width - 2, window_.height - 2);
     const Rect area = Rect(at.x - hx, at.y - hy, 2 * hx + 1, 2 * hy + 1) & inner;
     found_.resize(roomFor(area.area() + 1, found_.size()));
     TemplateFeature* const first = &found_[0];
@@ -187,7 +253,7 @@ void PartTemplateRendererImpl::cut(PartTemplate& t, const Size2d& box, int id)
     for (int y = area.y; y < area.y + area.height; y++)
     {
         const uchar* bits = orientations_.ptr(y);
-        const uchar *above = rendering_.ids.ptr(y - 1), *ids = rendering_.ids.ptr(y), *below = rendering_.ids.ptr(y + 1);
+        const uchar *above = ids_.ptr(y - 1), *ids = ids_.ptr(y), *below = ids_.ptr(y + 1);
         for (int x = area.x, end = area.x + area.width; x < end; x++)
         {
             while (x + 8 <= end && isZero8(bits + x)) x += 8;
@@ -262,14 +328,26 @@ void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vect
         boxes_.push_back(box);
         parts++;
     }
+    placeInstances(views, tool, moved);
+    Rect drawn = window;
+    if (params_.wholeTool)
+    {
+        drawn = toolWindow(camera, field, tool);
+        drawn = drawn.empty() ? window : window.empty() ? drawn : drawn | window;
+        boxes_.clear();
+    }
+    rendering_.window = Rect();
+    if (!drawn.empty()) renderer_->render(camera, drawn, instances_, rendering_, boxes_);
     if (parts == 0)
     {
         templates.clear();
         return;
     }
-
-    placeInstances(views, tool, moved);
-    renderer_->render(camera, window, instances_, rendering_, boxes_);
+    window_ = window;
+    const Rect inside = window - drawn.tl();
+    depth_ = rendering_.depth(inside);
+    ids_ = rendering_.ids(inside);
+    shading_ = rendering_.shading(inside);
     light();
     orientations_ = keptImage(orientationMemory_, window.size());
     quantize(picture_, Rect(Point(), picture_.size()), leastStrength(params_.magnitudeThreshold), orientations_, workspace_);

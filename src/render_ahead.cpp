@@ -6,11 +6,18 @@
 
 namespace cv { namespace surgtrack {
 
-RenderAhead::RenderAhead(const CameraModel& camera, const std::vector<Ptr<ToolModel> >& models)
-    : camera_(camera), renderer_(PartTemplateRenderer::create()), stop_(false)
+RenderAhead::RenderAhead(const CameraModel& camera, const std::vector<Ptr<ToolModel> >& models, bool wholeTools)
+    : camera_(camera), wholeTools_(wholeTools), stop_(false)
 {
+    PartTemplateRenderer::Params params;
+    params.wholeTool = wholeTools;
+    renderer_ = PartTemplateRenderer::create(Ptr<MeshRenderer>(), params);
     for (size_t i = 0; i < models.size(); i++) renderer_->addTool(models[i]);
-    for (int i = 0; i < 3; i++) slots_[i].templates.resize(models.size());
+    for (int i = 0; i < 3; i++) 
+    {
+        slots_[i].templates.resize(models.size());
+        slots_[i].renderings.resize(models.size());
+    }
     requests_[EARLIER] = requests_[NEWEST] = 0;
     thread_ = std::thread(&RenderAhead::run, this);
 }
@@ -100,7 +107,11 @@ void RenderAhead::run()
         lock.unlock();
         try
         {
-            for (size_t i = 0; i < slot->templates.size(); i++) renderer_->render(camera_, slot->views, int(i), slot->templates[i]);
+            for (size_t i = 0; i < slot->templates.size(); i++)
+            {
+                renderer_->render(camera_, slot->views, int(i), slot->templates[i]);
+                if (wholeTools_) renderer_->swapRendering(slot->renderings[i]);
+            }
         }
         catch (...)
         {

@@ -19,6 +19,7 @@ struct TemplateSet
 {
     std::vector<ToolView> views;
     std::vector<std::vector<PartTemplate> > templates;   // a tool
+    std::vector<Rendering> renderings;                   // a tool; of whole tools only
 };
 
 /** Draws part templates in a thread of its own.
@@ -30,7 +31,7 @@ class RenderAhead
 public:
     enum Request { EARLIER = 0, NEWEST = 1 };   // of the frame before, of this frame
 
-    RenderAhead(const CameraModel& camera, const std::vector<Ptr<ToolModel> >& models);
+    RenderAhead(const CameraModel& camera, const std::vector<Ptr<ToolModel> >& models, bool wholeTools = false);
     ~RenderAhead();
 
     //! Takes the place of an earlier request of this frame. Does not wait.
@@ -64,6 +65,7 @@ private:
 
     CameraModel camera_;
     Ptr<PartTemplateRenderer> renderer_;   // the thread's
+    bool wholeTools_;
     Slot slots_[3];         // two requests, and one dropped while it is drawn
     Slot* requests_[2];
     bool stop_;

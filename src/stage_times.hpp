@@ -9,7 +9,7 @@
 
 namespace cv { namespace surgtrack {
 
-enum Stage { RENDER, IMAGE, MATCH, VERIFY, FILTER, TOTAL, STAGES };
+enum Stage { RENDER, IMAGE, MATCH, VERIFY, FILTER, CONTOUR, TOTAL, STAGES };
 
 // What the stages of the current frame took, and the statistics of the frames before.
 class StageTimes
@@ -40,7 +40,7 @@ public:
 
     std::vector<StageTime> get() const
     {
-        static const char* const names[] = {"render", "image", "match", "verify", "filter", "total"};
+        static const char* const names[] = {"render", "image", "match", "verify", "filter", "contour", "total"};
         std::vector<StageTime> result(STAGES);
         for (int i = 0; i < STAGES; i++)
         {

@@ -35,7 +35,7 @@ void ToolTrackerImpl::renderAhead(const std::vector<std::vector<double> >& joint
     {
         std::vector<Ptr<ToolModel> > models;
         for (size_t i = 0; i < tools_.size(); i++) models.push_back(tools_[i].model);
-        ahead_ = makePtr<RenderAhead>(camera_, models);
+        ahead_ = makePtr<RenderAhead>(eyes_[0].camera, models, params_.method == METHOD_FULL);
         aheadViews_.resize(tools_.size());
     }
     for (size_t i = 0; i < tools_.size(); i++)
@@ -50,6 +50,7 @@ void ToolTrackerImpl::renderAhead(const std::vector<std::vector<double> >& joint
 double ToolTrackerImpl::shiftSince(const std::vector<ToolView>* drawn) const
 {
     if (!drawn) return DBL_MAX;
+    const CameraModel& camera = eyes_[0].camera;
     double largest = 0;
     for (size_t i = 0; i < tools_.size(); i++)
     {
@@ -60,8 +61,8 @@ double ToolTrackerImpl::shiftSince(const std::vector<ToolView>* drawn) const
             const Matx44d now = views_[i].camera_T_base * views_[i].base_T_link[keypoints[k].link];
             const Matx44d then = (*drawn)[i].camera_T_base * (*drawn)[i].base_T_link[keypoints[k].link];
             const Point3d p = transform(now, keypoints[k].linkPoint), q = transform(then, keypoints[k].linkPoint);
-            if (p.z < 1e-3 || !field_.contains(Point2d(p.x / p.z, p.y / p.z))) continue;
-            const double shift = std::max(camera_.fx * std::abs(p.x / p.z - q.x / q.z), camera_.fy * std::abs(p.y / p.z - q.y / q.z));
+            if (p.z < 1e-3 || !eyes_[0].field.contains(Point2d(p.x / p.z, p.y / p.z))) continue;
+            const double shift = std::max(camera.fx * std::abs(p.x / p.z - q.x / q.z), camera.fy * std::abs(p.y / p.z - q.y / q.z));
             // Written so that a value that is not a number does not pass.
             if (!(shift <= maxShift * pixelScale_ && turn(now, then) <= maxTurn && std::abs(q.z / p.z - 1) <= maxZoom)) return DBL_MAX;
             largest = std::max(largest, shift);

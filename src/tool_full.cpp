@@ -3,102 +3,176 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "tool_tracker.hpp"
-#include <cstdio>
-namespace cv { namespace surgtrack {
 
-// METHOD_FULL: points and contours into a filter of correction and joint offsets.
+// METHOD_FULL: parts and contours of all eyes, into one filter of correction and joint offsets.
+
+namespace cv { namespace surgtrack {
 
 namespace {
 
-const double supportedWithin = 2.5;   // [pixel at 720 px image width]; an edge this near is the outline's
+static double tune(const char* name, double v) { const char* e = getenv(name); return e ? atof(e) : v; }
+
+// Contours are looked for three times, nearer each time; the filter believes an edge the less the farther it is beyond this.
+const int passes = 3;
+const double searchWindows[passes] = {8, 5, 3}, tolerances[passes] = {3, 1, 0};   // [pixel at 720 px image width]
+
+const double supportedWithin = 2;      // an edge this near is the outline's [pixel at 720 px image width]
+
+// The outline is drawn anew where a keypoint has moved farther than this since.
+const double maxContourShift = 6;      // [pixel at 720 px image width]
+const double maxContourTurn = 0.05;    // [rad]
+
+// A push of the camera, or a slip: the constant state is no longer believed.
+const double pushRotation = CV_PI / 180, pushTranslation = 0.002;   // [rad], [m]
+const int pushedFrames = 10;
+const double pushedNis = 0.75;         // of points, per degree of freedom
+const double pushedLikelihood = 15;    // logarithm of the ratio, of contours
 
 } // namespace
 
-void ToolTrackerImpl::drawOutline(int)
-{
-    StageTimer timer(times_, RENDER);
-    outlineInstances_.clear();
-    for (size_t t = 0; t < tools_.size(); t++)
-    {
-        const std::vector<ToolModel::Link>& links = tools_[t].model->links();
-        for (size_t i = 0; i < links.size(); i++)
-        {
-            if (links[i].mesh < 0) continue;
-            MeshInstance instance;
-            instance.mesh = outlineMeshes_[t] + links[i].mesh;
-            instance.id = int(t) + 1;
-            instance.camera_T_mesh = views_[t].camera_T_base * views_[t].base_T_link[i];
-            outlineInstances_.push_back(instance);
-        }
-    }
-    outlineRenderer_->render(camera_, Rect(Point(), camera_.imageSize()), outlineInstances_, outlineRendering_);
-}
-
+// Every eye's points, one after the other.
 int ToolTrackerImpl::correctPoints(TrackedTool& tool)
 {
     StageTimer timer(times_, FILTER);
-    parts_.clear();
-    imagePoints_.clear();
-    for (size_t i = 0; i < tool.inliers.size(); i++)
+    int passed = 0;
+    for (size_t e = 0; e < open_; e++)
     {
-        parts_.push_back(tool.inliers[i].part);
-        imagePoints_.push_back(tool.inliers[i].imagePoint);
+        Eye& eye = eyes_[e];
+        parts_.clear();
+        imagePoints_.clear();
+        for (size_t i = 0; i < eye.inliers.size(); i++)
+        {
+            parts_.push_back(eye.inliers[i].part);
+            imagePoints_.push_back(eye.inliers[i].imagePoint);
+        }
+        passed += tool.full->correctPoints(eye.camera, eye.eye_T_camera, parts_, imagePoints_, used_);
+        if (e > 0) continue;
+        tool.inliers.clear();
+        for (size_t i = 0; i < used_.size(); i++)
+            if (used_[i]) tool.inliers.push_back(eye.inliers[i]);
     }
-    return tool.full->correctPoints(camera_, Matx44d::eye(), parts_, imagePoints_, used_);
+    return passed;
 }
 
-static double tune(const char* name, double v) { const char* e = getenv(name); return e ? atof(e) : v; }
-// Contour passes about the state of the filter; the drawing is of nearly this view.
-// Returns the log likelihood of a push against none.
-double ToolTrackerImpl::refine(int index, const Mat& image)
+// The outline where the tool was drawn.
+void ToolTrackerImpl::sampleContours(int index, const TemplateSet* ahead)
 {
-    TrackedTool& tool = tools_[index];
-    StageTimer timer(times_, FILTER);
-    static const double windows[] = {8, 5, 3}, tolerances[] = {tune("T0", 3), tune("T1", 1), tune("T2",0)};
-    tool.full->beginContours();
-    if (reduction_ > 1) reduce(image, Rect(Point(), reduced_.size()));
-    const Mat& pixels = reduction_ > 1 ? reduced_ : image;
-    ContourSearch search;
-    double surprise = 0;
-    for (int pass = 0; pass < 3; pass++)
+    StageTimer timer(times_, CONTOUR);
+    for (size_t e = 0; e < open_; e++)
     {
-        tool.contour->sample(camera_, tool.full->view(), outlineRendering_, index + 1, tool.outline);
-        search.halfWindow = windows[pass];
-        matchContour(pixels, tool.outline, search);
-        tool.full->addContour(camera_, Matx44d::eye(), tool.outline, tolerances[pass]);
-        if (pass == 0) surprise = tool.full->surprise(0.5 * CV_PI / 180, 0.001);
+        Eye& eye = eyes_[e];
+        const bool fromAhead = e == 0 && ahead;
+        const Rendering& rendering = fromAhead ? ahead->renderings[index] : eye.renderer->rendering();
+        tools_[index].contour->sample(eye.camera, fromAhead ? ahead->views[index] : eye.views[index], rendering, index + 1, eye.outline);
+        if (eye.reduction == 1 || eye.outline.empty()) continue;
+        Rect2d box(eye.outline[0].imagePoint, Size2d());
+        for (size_t i = 0; i < eye.outline.size(); i++) box |= Rect2d(eye.outline[i].imagePoint, Size2d(1, 1));
+        const int reach = cvCeil(maxContourShift * pixelScale_ + 16);
+        eye.reduce(Rect(cvFloor(box.x) - reach, cvFloor(box.y) - reach, cvCeil(box.width) + 2 * reach, cvCeil(box.height) + 2 * reach));
+    }
+}
+
+static ToolView seenFrom(const Eye& eye, const ToolView& view)
+{
+    ToolView result = view;
+    result.camera_T_base = eye.eye_T_camera * view.camera_T_base;
+    return result;
+}
+
+// Edges on the normals of all eyes' outlines, taken in three times. Returns the log likelihood ratio of a push.
+double ToolTrackerImpl::refine(TrackedTool& tool, int firstPass)
+{
+    StageTimer timer(times_, CONTOUR);
+    double likelihood = 0;
+    tool.full->beginContours();
+    for (int pass = firstPass; pass < passes; pass++)
+    {
+        ContourSearch search;
+        search.halfWindow = searchWindows[pass] * pixelScale_;
+        for (size_t e = 0; e < open_; e++)
+        {
+            Eye& eye = eyes_[e];
+            placeContour(eye.camera, seenFrom(eye, tool.full->view()), eye.outline);
+            matchContour(eye.pixels(), eye.outline, search);
+            tool.full->addContour(eye.camera, eye.eye_T_camera, eye.outline, tolerances[pass] * pixelScale_);
+        }
+        if (pass == firstPass) likelihood = tool.full->surprise(pushRotation / 2, pushTranslation / 2);
         tool.full->solveContours();
     }
-    tool.contour->sample(camera_, tool.full->view(), outlineRendering_, index + 1, tool.outline);
-    search.halfWindow = 5;
-    matchContour(pixels, tool.outline, search);
-    int supported = 0;
-    for (size_t i = 0; i < tool.outline.size(); i++) supported += tool.outline[i].found && std::abs(tool.outline[i].offset) < supportedWithin;
-    tool.contourSupport = tool.outline.empty() ? 0 : double(supported) / double(tool.outline.size());
-    return surprise;
+    tool.contourSupport = support(tool);
+    return likelihood;
 }
 
-bool ToolTrackerImpl::startFull(int index, const Mat& image)
+// The share of the outline that has its edge in the image where the state has it now.
+double ToolTrackerImpl::support(const TrackedTool& tool)
+{
+    int supported = 0, all = 0;
+    for (size_t e = 0; e < open_; e++)
+    {
+        Eye& eye = eyes_[e];
+        const ToolView view = seenFrom(eye, tool.full->view());
+        for (size_t i = 0; i < eye.outline.size(); i++)
+        {
+            const ContourPoint& c = eye.outline[i];
+            all++;
+            if (!c.found) continue;
+            const Point3d p = transform(view.camera_T_base * view.base_T_link[c.link], c.linkPoint);
+            if (p.z < 1e-3) continue;
+            const double offset = c.normal.dot(c.imagePoint + c.normal * c.offset - eye.camera.project(p));
+            supported += std::abs(offset) < supportedWithin * pixelScale_;
+        }
+    }
+    return all ? double(supported) / all : 0;
+}
+
+// Whether the tool is so far from where it was drawn that its outline is another.
+bool ToolTrackerImpl::movedSince(int index, const std::vector<ToolView>& drawn) const
+{
+    const TrackedTool& tool = tools_[index];
+    const CameraModel& camera = eyes_[0].camera;
+    const std::vector<ToolModel::Keypoint>& keypoints = tool.model->keypoints();
+    const ToolView &now = tool.full->view(), &then = drawn[index];
+    for (size_t k = 0; k < keypoints.size(); k++)
+    {
+        const Matx44d A = now.camera_T_base * now.base_T_link[keypoints[k].link], B = then.camera_T_base * then.base_T_link[keypoints[k].link];
+        const Point3d p = transform(A, keypoints[k].linkPoint), q = transform(B, keypoints[k].linkPoint);
+        if (p.z < 1e-3 || q.z < 1e-3) return true;
+        const double shift = std::max(camera.fx * std::abs(p.x / p.z - q.x / q.z), camera.fy * std::abs(p.y / p.z - q.y / q.z));
+        double cosine = -1;
+        for (int r = 0; r < 3; r++)
+            for (int c = 0; c < 3; c++) cosine += A(r, c) * B(r, c);
+        if (!(shift <= maxContourShift * pixelScale_ && 0.5 * cosine >= std::cos(maxContourTurn))) return true;
+    }
+    return false;
+}
+
+bool ToolTrackerImpl::startFull(int index)
 {
     TrackedTool& tool = tools_[index];
     tool.full->undo();
-    for (int pass = 0; pass < 3; pass++)
+    const size_t open = open_;
+    open_ = 1;
+    eyes_[0].inliers = tool.inliers;
+    for (int pass = 0; pass < 5; pass++)
     {
+        if (pass == 1) open_ = open;
         if (pass > 0)
         {
             views_[index] = tool.full->view();
-            const std::vector<PartTemplate>& templates = draw(index);
-            locate(index, image, templates, params_.minWindow * pixelScale_, true);
-            tool.full->undo();
-            if (inliers_.empty()) return false;
-            tool.inliers = inliers_;
-            tool.visibleParts = int(templates.size());
+            for (size_t e = 0; e < open_; e++)
+            {
+                draw(index, eyes_[e]);
+                if (pass < 4) locate(index, eyes_[e], eyes_[e].templates, params_.minWindow * pixelScale_, e == 0);
+            }
+            tool.visibleParts = int(eyes_[0].templates.size());
+            sampleContours(index, 0);
         }
+        tool.full->reset();
+        tool.full->predict(joints_[index]);
         correctPoints(tool);
+        if (pass > 0) refine(tool, pass > 2 ? 1 : 0);
     }
-    views_[index] = tool.full->view();
-    drawOutline(index);
-    refine(index, image);
+    open_ = open;
     tool.correction = tool.full->correction();
     const bool good = meanSimilarity(tool.inliers) >= params_.minInitialSimilarity && plausible(tool, tool.correction);
     if (!good)
@@ -110,51 +184,54 @@ bool ToolTrackerImpl::startFull(int index, const Mat& image)
     return good;
 }
 
-bool ToolTrackerImpl::measureFull(int index, const Mat& image)
+bool ToolTrackerImpl::measureFull(int index, const TemplateSet* ahead)
 {
     TrackedTool& tool = tools_[index];
-    const std::vector<PartTemplate>& templates = draw(index);
-    locate(index, image, templates, params_.minWindow * pixelScale_, false);
-    tool.inliers = inliers_;
-    tool.visibleParts = int(templates.size());
+    if (!tool.usesDrawnAhead()) ahead = 0;
+    for (size_t e = 0; e < open_; e++)
+    {
+        const std::vector<PartTemplate>& templates = e == 0 && ahead ? ahead->templates[index] : draw(index, eyes_[e]);
+        locate(index, eyes_[e], templates, params_.minWindow * pixelScale_, false);
+        if (e == 0) tool.visibleParts = int(templates.size());
+    }
     tool.contourSupport = 0;
-    if (tool.settles() && tune("SETTLE", 0))
+    if (tool.settles() && tune("SETTLE", 1))
     {
         tool.full->reset();
         tool.full->predict(joints_[index]);
     }
-    int passed = tool.inliers.empty() ? 0 : correctPoints(tool);
-    const double mean = meanSimilarity(inliers_);
-    if (inliers_.size() >= 5 && mean > 0.55 && (2 * passed < int(inliers_.size()) || tool.full->nis() > tune("NISJ", 0.75)))
+    int passed = correctPoints(tool);
+    const std::vector<PartMatch>& matches = eyes_[0].inliers;
+    if (matches.size() >= 5 && meanSimilarity(matches) > 0.55 && (2 * passed < int(matches.size()) || tool.full->nis() > pushedNis))
     {
-        if (getenv("VERB")) printf("t %.2f tool %d: passed %d of %d nis %.2f: push\n", time_, index, passed, int(inliers_.size()), tool.full->nis());
         tool.full->undo();
-        tool.full->inflate(CV_PI / 180, 0.002);
-        tool.boosted = 10;
+        tool.full->inflate(pushRotation, pushTranslation);
+        tool.boosted = pushedFrames;
         passed = correctPoints(tool);
     }
     if (passed < 4)
     {
+        tool.full->undo();
         tool.inliers.clear();
         return false;
     }
-    size_t kept = 0;
-    for (size_t i = 0; i < used_.size(); i++)
-        if (used_[i]) tool.inliers[kept++] = tool.inliers[i];
-    tool.inliers.resize(kept);
-    drawOutline(index);
-    const double surprise = refine(index, image);
-    if (surprise > tune("SURP", 15))
+    sampleContours(index, ahead);
+    if (movedSince(index, ahead ? ahead->views : eyes_[0].views))
     {
-        if (getenv("VERB")) printf("t %.2f tool %d: surprise %.1f: push\n", time_, index, surprise);
+        views_[index] = tool.full->view();
+        for (size_t e = 0; e < open_; e++) draw(index, eyes_[e]);
+        sampleContours(index, 0);
+    }
+    if (refine(tool, 0) > pushedLikelihood)
+    {
         tool.full->undo();
-        tool.full->inflate(0.5*CV_PI / 180, 0.001);
+        tool.full->inflate(pushRotation / 2, pushTranslation / 2);
         tool.boosted = std::max(tool.boosted, 3);
         correctPoints(tool);
-        refine(index, image);
+        refine(tool, 0);
     }
-    const bool found = tool.state != STATE_LOST
-                       || (int(kept) >= params_.minInitialInliers && meanSimilarity(tool.inliers) >= params_.minInitialSimilarity);
+    const bool found = tool.state != STATE_LOST || (int(tool.inliers.size()) >= params_.minInitialInliers
+                                                    && meanSimilarity(tool.inliers) >= params_.minInitialSimilarity);
     if (!found || !plausible(tool, tool.full->correction()))
     {
         tool.full->undo();

@@ -23,17 +23,17 @@ double rotationAngle(const Matx44d& T)
 } // namespace
 
 // The first pose: all hypotheses at once.
-bool ToolTrackerImpl::start(int index, const Mat& image)
+bool ToolTrackerImpl::start(int index)
 {
-    return initialize(index, image, 0, hypotheses - 1);
+    return initialize(index, 0, hypotheses - 1);
 }
 
 // A lost tool is looked for in a wider window, by one hypothesis a frame.
-bool ToolTrackerImpl::search(int index, const Mat& image)
+bool ToolTrackerImpl::search(int index)
 {
     int& hypothesis = tools_[index].hypothesis;
     hypothesis = (hypothesis + 1) % hypotheses;
-    return initialize(index, image, hypothesis, hypothesis);
+    return initialize(index, hypothesis, hypothesis);
 }
 
 bool ToolTrackerImpl::plausible(const TrackedTool& tool, const Matx44d& correction) const
@@ -46,7 +46,7 @@ bool ToolTrackerImpl::plausible(const TrackedTool& tool, const Matx44d& correcti
     {
         const Point3d p = transform(correction, tool.nominalPoints[tool.inliers[i].part]);
         if (p.z < 1e-3) return false;
-        const Point2d d = camera_.project(p) - tool.inliers[i].imagePoint;
+        const Point2d d = eyes_[0].camera.project(p) - tool.inliers[i].imagePoint;
         sum += d.dot(d);
     }
     return std::sqrt(sum / double(tool.inliers.size())) < maxReprojectionError * pixelScale_;
@@ -54,42 +54,43 @@ bool ToolTrackerImpl::plausible(const TrackedTool& tool, const Matx44d& correcti
 
 // Several scales and rotations about the kinematics' pose (paper, Sec. 2.1), the best agreement goes to EPnP (Sec. 2.3).
 // first, last: which of the nine hypotheses
-bool ToolTrackerImpl::initialize(int index, const Mat& image, int first, int last)
+bool ToolTrackerImpl::initialize(int index, int first, int last)
 {
     static const double scales[] = {1, 0.8, 1.2}, rotations[] = {0, -15 * CV_PI / 180, 15 * CV_PI / 180};
     TrackedTool& tool = tools_[index];
+    Eye& eye = eyes_[0];
     const double distance = transform(tool.correction, tool.nominalPoints[0]).z;
-    const double halfWindow = params_.initialWindow * std::max(camera_.fx, camera_.fy) / std::max(distance, 0.02);
+    const double halfWindow = params_.initialWindow * std::max(eye.camera.fx, eye.camera.fy) / std::max(distance, 0.02);
     tool.inliers.clear();
     double bestScore = 0;
     for (int i = first; i <= last; i++)
     {
-        const std::vector<PartTemplate>& templates = draw(index, scales[i / 3], rotations[i % 3]);
-        locate(index, image, templates, halfWindow, true);
+        const std::vector<PartTemplate>& templates = draw(index, eye, scales[i / 3], rotations[i % 3]);
+        locate(index, eye, templates, halfWindow, true);
         if (i == first) tool.visibleParts = int(templates.size());
         double score = 0;
-        for (size_t k = 0; k < inliers_.size(); k++) score += inliers_[k].similarity;
+        for (size_t k = 0; k < eye.inliers.size(); k++) score += eye.inliers[k].similarity;
         if (score <= bestScore) continue;
         bestScore = score;
-        tool.inliers = inliers_;
+        tool.inliers = eye.inliers;
         tool.visibleParts = int(templates.size());
     }
     Matx44d correction;
     {
         StageTimer timer(times_, FILTER);
         gather(tool);
-        if (tool.inliers.empty() || !solveEPnP(camera_, nominalPoints_, imagePoints_, correction, maxReprojectionError * pixelScale_)
+        if (tool.inliers.empty() || !solveEPnP(eye.camera, nominalPoints_, imagePoints_, correction, maxReprojectionError * pixelScale_)
             || !plausible(tool, correction))
         {
             tool.inliers.clear();
             return false;
         }
     }
-    if (tool.full) return startFull(index, image);
+    if (tool.full) return startFull(index);
     const Matx44d before = tool.correction;
     tool.filter->reset(correction);
     tool.correction = correction;
-    if (params_.method == METHOD_EPNP || startFromHandEye(index, image)) return true;
+    if (params_.method == METHOD_EPNP || startFromHandEye(index)) return true;
     tool.correction = before;
     tool.filter->reset(before);
     tool.inliers.clear();
@@ -109,18 +110,19 @@ bool ToolTrackerImpl::correctFromHandEye(TrackedTool& tool)
 /* The paper's filter starts from EPnP's pose, whose depth is off by 5 mm and more, and from templates of another scale. Ours takes
    the same points in from the hand-eye calibration and looks again with templates that fit.
    Returns whether the tool then looks as it should; tissue does not. */
-bool ToolTrackerImpl::startFromHandEye(int index, const Mat& image)
+bool ToolTrackerImpl::startFromHandEye(int index)
 {
     TrackedTool& tool = tools_[index];
+    Eye& eye = eyes_[0];
     for (int pass = 0; pass < 3; pass++)
     {
         if (pass > 0)
         {
             views_[index].camera_T_base = tool.correction * tool.nominal_T_base;
-            const std::vector<PartTemplate>& templates = draw(index);
-            locate(index, image, templates, params_.minWindow * pixelScale_, true);
-            if (inliers_.empty()) return false;
-            tool.inliers = inliers_;
+            const std::vector<PartTemplate>& templates = draw(index, eye);
+            locate(index, eye, templates, params_.minWindow * pixelScale_, true);
+            if (eye.inliers.empty()) return false;
+            tool.inliers = eye.inliers;
             tool.visibleParts = int(templates.size());
         }
         StageTimer timer(times_, FILTER);

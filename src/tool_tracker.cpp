@@ -56,10 +56,32 @@ double meanSimilarity(const std::vector<PartMatch>& matches)
     return matches.empty() ? 0 : sum / double(matches.size());
 }
 
-ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params)
-    : imageSize_(camera.imageSize()), reduction_(std::max(1, imageSize_.width / referenceWidth)), camera_(reduceCamera(camera, reduction_)),
-      field_(camera_.fieldOfView(Rect(Point(), camera_.imageSize()))), params_(params),
-      pixelScale_(camera_.imageSize().width / double(referenceWidth)), time_(-DBL_MAX)
+Eye::Eye(const CameraModel& full, const Matx44d& _eye_T_camera, bool wholeTools)
+    : imageSize(full.imageSize()), reduction(std::max(1, imageSize.width / referenceWidth)), camera(reduceCamera(full, reduction)),
+      eye_T_camera(_eye_T_camera), field(camera.fieldOfView(Rect(Point(), camera.imageSize())))
+{
+    PartTemplateRenderer::Params params;
+    params.wholeTool = wholeTools;
+    renderer = PartTemplateRenderer::create(Ptr<MeshRenderer>(), params);
+    matcher = QGOMatcher::create();
+}
+
+// In tiles so narrow that resize() has its tables on the stack and wakes no other thread.
+void Eye::reduce(const Rect& roi)
+{
+    if (reduction == 1) return;
+    reduced.create(camera.imageSize(), image.type());
+    const Rect reach(roi.x - gradientReach, roi.y - gradientReach, roi.width + 2 * gradientReach, roi.height + 2 * gradientReach);
+    const Rect area = reach & Rect(Point(), reduced.size());
+    for (int x = area.x; x < area.x + area.width; x += 64)
+    {
+        const Rect tile(x, area.y, std::min(64, area.x + area.width - x), area.height);
+        const Rect source(tile.x * reduction, tile.y * reduction, tile.width * reduction, tile.height * reduction);
+        resize(image(source), reduced(tile), tile.size(), 0, 0, INTER_AREA);
+    }
+}
+
+ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params) : open_(1), params_(params), pixelScale_(1), time_(-DBL_MAX)
 {
     CV_Assert(!camera.imageSize().empty());
     CV_Check(params.method, params.method >= METHOD_PAPER && params.method <= METHOD_FULL, "Params::method: no such method");
@@ -69,8 +91,8 @@ ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params
     CV_Check(params.minInitialSimilarity, params.minInitialSimilarity >= 0 && params.minInitialSimilarity <= 1, "Params::minInitialSimilarity must be in 0..1");
     CV_CheckGE(params.confirmFrames, 0, "Params::confirmFrames must not be negative");
     CV_Check(params.coastingTime, params.coastingTime >= 0 && params.coastingTime < DBL_MAX, "Params::coastingTime must not be negative");
-    renderer_ = PartTemplateRenderer::create();
-    matcher_ = QGOMatcher::create();
+    eyes_.push_back(Eye(camera, Matx44d::eye(), params.method == METHOD_FULL));
+    pixelScale_ = eyes_[0].camera.imageSize().width / double(referenceWidth);
     GeometricContextVerifier::Params context;
     context.seed = params.seed;
     context.zoneRadius *= pixelScale_;
@@ -89,6 +111,9 @@ void ToolTrackerImpl::setRightCamera(const CameraModel& right, const Matx44d& ri
     if (params_.method != METHOD_FULL) CV_Error(Error::StsBadArg, "Params::method: only METHOD_FULL uses a right camera");
     CV_Assert(!right.imageSize().empty());
     if (!isRigid(right_T_left)) CV_Error(Error::StsBadArg, "right_T_left must be a rigid transform");
+    eyes_.resize(1, eyes_[0]);
+    eyes_.push_back(Eye(right, nearestRigid(right_T_left), true));
+    for (size_t i = 0; i < tools_.size(); i++) eyes_[1].renderer->addTool(tools_[i].model);
 }
 
 int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base)
@@ -106,7 +131,7 @@ int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal
     ToolPoseEKF::Params filter;
     filter.measurementNoise *= pixelScale_;
     filter.minPoints = 4;   // as many as must agree on the geometric context
-    tool.filter = ToolPoseEKF::create(camera_, filter);
+    tool.filter = ToolPoseEKF::create(eyes_[0].camera, filter);
     if (params_.method == METHOD_FULL)
     {
         ArticulatedPoseEKF::Params full;
@@ -114,19 +139,17 @@ int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal
         full.contourNoise *= pixelScale_;
         tool.full = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
         tool.contour = ToolContour::create(model);
-        if (!outlineRenderer_) outlineRenderer_ = MeshRenderer::createSoftware();
-        for (size_t i = 0; i < model->meshes().size(); i++)
-        {
-            const int handle = outlineRenderer_->addMesh(model->meshes()[i]);
-            if (i == 0) outlineMeshes_.push_back(handle);
-        }
     }
-    renderer_->addTool(model);
+    for (size_t i = 0; i < eyes_.size(); i++)
+    {
+        eyes_[i].renderer->addTool(model);
+        eyes_[i].inliers.reserve(parts);
+    }
     ahead_.release();   // its thread knows the old tools only
     // All that a frame may need: update() takes no memory later.
     windows_.reserve(parts);
     predicted_.reserve(parts);
-    inliers_.reserve(parts);
+    parts_.reserve(parts);
     nominalPoints_.reserve(parts);
     imagePoints_.reserve(parts);
     used_.reserve(parts);
@@ -174,13 +197,16 @@ void ToolTrackerImpl::checkJoints(const std::vector<std::vector<double> >& joint
     }
 }
 
-void ToolTrackerImpl::check(const Mat& image, double time, const std::vector<std::vector<double> >& joints) const
+void ToolTrackerImpl::check(const Mat& image, const Eye& eye, const char* name) const
 {
-    checkJoints(joints);
     checkImage(image);
-    if (image.size() != imageSize_)
-        CV_Error(Error::StsUnmatchedSizes, format("image is %d x %d, the camera's is %d x %d", image.cols, image.rows,
-                                                  imageSize_.width, imageSize_.height));
+    if (image.size() != eye.imageSize)
+        CV_Error(Error::StsUnmatchedSizes, format("%s is %d x %d, the camera's is %d x %d", name, image.cols, image.rows,
+                                                  eye.imageSize.width, eye.imageSize.height));
+}
+
+void ToolTrackerImpl::checkTime(double time) const
+{
     if (!(time > time_ && time < DBL_MAX)) CV_Error(Error::StsOutOfRange, format("time %g must be finite and larger than the last, %g", time, time_));
 }
 
@@ -210,35 +236,24 @@ void ToolTrackerImpl::placeTools(const std::vector<std::vector<double> >& joints
     }
 }
 
-/* Brings reduced_ up to date where gradients in the roi look.
-   In tiles so narrow that resize() has its tables on the stack and wakes no other thread. */
-void ToolTrackerImpl::reduce(const Mat& image, const Rect& roi)
-{
-    const Rect reach(roi.x - gradientReach, roi.y - gradientReach, roi.width + 2 * gradientReach, roi.height + 2 * gradientReach);
-    const Rect area = reach & Rect(Point(), reduced_.size());
-    for (int x = area.x; x < area.x + area.width; x += 64)
-    {
-        const Rect tile(x, area.y, std::min(64, area.x + area.width - x), area.height);
-        const Rect source(tile.x * reduction_, tile.y * reduction_, tile.width * reduction_, tile.height * reduction_);
-        resize(image(source), reduced_(tile), tile.size(), 0, 0, INTER_AREA);
-    }
-}
-
-const std::vector<PartTemplate>& ToolTrackerImpl::draw(int index, double scale, double rotation)
+const std::vector<PartTemplate>& ToolTrackerImpl::draw(int index, Eye& eye, double scale, double rotation)
 {
     StageTimer timer(times_, RENDER);
-    renderer_->render(camera_, views_, index, templates_, scale, rotation);
-    return templates_;
+    eye.views = views_;
+    if (&eye != &eyes_[0])
+        for (size_t i = 0; i < eye.views.size(); i++) eye.views[i].camera_T_base = eye.eye_T_camera * eye.views[i].camera_T_base;
+    eye.renderer->render(eye.camera, eye.views, index, eye.templates, scale, rotation);
+    return eye.templates;
 }
 
-/* Paper, Sec. 2.1 and 2.2: matches templates in windows and verifies; the result is in inliers_.
+/* Paper, Sec. 2.1 and 2.2: matches templates in windows and verifies; the result is in eye.inliers.
    templates: of the start or of about where the tool is
    halfWindow: of the search windows [pixel]; larger where the filter's covariance asks for it, unless starting */
-void ToolTrackerImpl::locate(int index, const Mat& image, const std::vector<PartTemplate>& templates, double halfWindow, bool starting)
+void ToolTrackerImpl::locate(int index, Eye& eye, const std::vector<PartTemplate>& templates, double halfWindow, bool starting)
 {
     TrackedTool& tool = tools_[index];
-    inliers_.clear();
-    const Rect all(Point(), camera_.imageSize());
+    eye.inliers.clear();
+    const Rect all(Point(), eye.camera.imageSize());
     windows_.clear();
     predicted_.clear();
     Rect roi;
@@ -248,16 +263,16 @@ void ToolTrackerImpl::locate(int index, const Mat& image, const std::vector<Part
         double hx = halfWindow, hy = halfWindow;
         if (!starting && params_.method != METHOD_EPNP)
         {
-            const Matx22d C = tool.full ? tool.full->imageCovariance(camera_, Matx44d::eye(), t.part)
+            const Matx22d C = tool.full ? tool.full->imageCovariance(eye.camera, eye.eye_T_camera, t.part)
                                         : tool.filter->imageCovariance(tool.nominalPoints[t.part]);
             hx = std::min(std::max(hx, 3 * std::sqrt(C(0, 0))), 4 * halfWindow);
             hy = std::min(std::max(hy, 3 * std::sqrt(C(1, 1))), 4 * halfWindow);
         }
         Point2d predicted = t.imagePoint;
-        if (&templates != &templates_)   // drawn ahead
+        if (&templates != &eye.templates)   // drawn ahead
         {
             const Point3d p = transform(tool.correction, tool.nominalPoints[t.part]);
-            if (p.z > 1e-3) predicted = camera_.project(p);
+            if (p.z > 1e-3) predicted = eye.camera.project(p);
         }
         predicted_.push_back(predicted);
         const Point2d at = Point2d(t.anchor) + Point2d(cvRound(predicted.x - t.imagePoint.x), cvRound(predicted.y - t.imagePoint.y));
@@ -270,16 +285,16 @@ void ToolTrackerImpl::locate(int index, const Mat& image, const std::vector<Part
     if (roi.empty()) return;
     {
         StageTimer timer(times_, IMAGE);
-        if (reduction_ > 1) reduce(image, roi);
-        matcher_->setImage(reduction_ > 1 ? reduced_ : image, roi);
+        eye.reduce(roi);
+        eye.matcher->setImage(eye.pixels(), roi);
     }
     {
         StageTimer timer(times_, MATCH);
-        matcher_->match(templates, windows_, matches_);
+        eye.matcher->match(templates, windows_, matches_);
         for (size_t i = 0; i < matches_.size(); i++) matches_[i].predictedPoint = predicted_[matches_[i].templateIndex];
     }
     StageTimer timer(times_, VERIFY);
-    (starting ? startVerifier_ : verifier_)->verify(matches_, inliers_);
+    (starting ? startVerifier_ : verifier_)->verify(matches_, eye.inliers);
 }
 
 void ToolTrackerImpl::gather(const TrackedTool& tool)
@@ -294,15 +309,15 @@ void ToolTrackerImpl::gather(const TrackedTool& tool)
 }
 
 // One template a part at the last correction, then the filter (paper, Sec. 2.3).
-bool ToolTrackerImpl::measure(int index, const Mat& image, const TemplateSet* ahead)
+bool ToolTrackerImpl::measure(int index, const TemplateSet* ahead)
 {
     TrackedTool& tool = tools_[index];
-    if (tool.full) return measureFull(index, image);
+    Eye& eye = eyes_[0];
     const bool filtered = params_.method == METHOD_PAPER;
     if (filtered) tool.filter->predict();
-    const std::vector<PartTemplate>& templates = ahead && tool.usesDrawnAhead() ? ahead->templates[index] : draw(index);
-    locate(index, image, templates, params_.minWindow * pixelScale_, false);
-    tool.inliers = inliers_;
+    const std::vector<PartTemplate>& templates = ahead && tool.usesDrawnAhead() ? ahead->templates[index] : draw(index, eye);
+    locate(index, eye, templates, params_.minWindow * pixelScale_, false);
+    tool.inliers = eye.inliers;
     tool.visibleParts = int(templates.size());
     if (tool.inliers.empty()) return false;
 
@@ -311,7 +326,7 @@ bool ToolTrackerImpl::measure(int index, const Mat& image, const TemplateSet* ah
     if (!filtered)
     {
         Matx44d correction;
-        if (!solveEPnP(camera_, nominalPoints_, imagePoints_, correction) || !plausible(tool, correction)) return false;
+        if (!solveEPnP(eye.camera, nominalPoints_, imagePoints_, correction) || !plausible(tool, correction)) return false;
         tool.correction = correction;
         return true;
     }
@@ -386,19 +401,16 @@ void ToolTrackerImpl::report(const TrackedTool& tool, const ToolView& view, Tool
     e.matches = tool.inliers;
     for (size_t i = 0; i < e.matches.size(); i++)
     {
-        e.matches[i].imagePoint = enlarge(e.matches[i].imagePoint, reduction_);
-        e.matches[i].predictedPoint = enlarge(e.matches[i].predictedPoint, reduction_);
+        e.matches[i].imagePoint = enlarge(e.matches[i].imagePoint, eyes_[0].reduction);
+        e.matches[i].predictedPoint = enlarge(e.matches[i].predictedPoint, eyes_[0].reduction);
     }
 }
 
-void ToolTrackerImpl::update(InputArray _image, double time, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates)
+void ToolTrackerImpl::updateEyes(double time, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates)
 {
-    Mat image = _image.getMat();
-    check(image, time, joints);
     times_.beginFrame();
     {
         StageTimer timer(times_, TOTAL);
-        if (reduction_ > 1) reduced_.create(camera_.imageSize(), image.type());
         placeTools(joints);
         const TemplateSet* ahead = 0;
         {
@@ -409,8 +421,8 @@ void ToolTrackerImpl::update(InputArray _image, double time, const std::vector<s
         for (int i = 0; i < int(tools_.size()); i++)
         {
             TrackedTool& tool = tools_[i];
-            bool seen = tool.starts() ? start(i, image) : measure(i, image, ahead);
-            if (!seen && tool.state == STATE_LOST) seen = search(i, image);
+            bool seen = tool.starts() ? start(i) : tool.full ? measureFull(i, ahead) : measure(i, ahead);
+            if (!seen && tool.state == STATE_LOST) seen = search(i);
             conclude(tool, seen);
             // Others are drawn, and hidden, where this tool was found.
             if (tool.full) views_[i] = tool.full->view();
@@ -420,13 +432,35 @@ void ToolTrackerImpl::update(InputArray _image, double time, const std::vector<s
     estimates.resize(tools_.size());
     if (ahead_) ahead_->nextFrame();
     for (size_t i = 0; i < tools_.size(); i++) report(tools_[i], views_[i], estimates[i]);
+    for (size_t i = 0; i < eyes_.size(); i++) eyes_[i].image.release();
     times_.endFrame();
 }
 
-void ToolTrackerImpl::updateStereo(InputArray left, InputArray, double time, const std::vector<std::vector<double> >& joints,
+void ToolTrackerImpl::update(InputArray image, double time, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates)
+{
+    const Mat left = image.getMat();
+    checkJoints(joints);
+    check(left, eyes_[0], "image");
+    checkTime(time);
+    open_ = 1;
+    eyes_[0].image = left;
+    updateEyes(time, joints, estimates);
+}
+
+void ToolTrackerImpl::updateStereo(InputArray _left, InputArray _right, double time, const std::vector<std::vector<double> >& joints,
                                    std::vector<ToolEstimate>& estimates)
 {
-    update(left, time, joints, estimates);
+    if (eyes_.size() < 2) CV_Error(Error::StsError, "no right camera: setRightCamera() comes first");
+    const Mat left = _left.getMat(), right = _right.getMat();
+    checkJoints(joints);
+    check(left, eyes_[0], "left");
+    check(right, eyes_[1], "right");
+    CV_CheckTypeEQ(left.type(), right.type(), "left and right must be of the same type");
+    checkTime(time);
+    open_ = 2;
+    eyes_[0].image = left;
+    eyes_[1].image = right;
+    updateEyes(time, joints, estimates);
 }
 
 Ptr<ToolTracker> ToolTracker::create(const CameraModel& camera, const Params& params)

@@ -11,6 +11,31 @@
 
 namespace cv { namespace surgtrack {
 
+// A camera, and what it is looked at with.
+struct Eye
+{
+    Eye(const CameraModel& camera, const Matx44d& eye_T_camera, bool wholeTools);
+
+    //! Brings reduced up to date where gradients in the roi look.
+    void reduce(const Rect& roi);
+    const Mat& pixels() const { return reduction > 1 ? reduced : image; }
+
+    Size imageSize;        // of the images given
+    int reduction;         // by this they are reduced; camera and all image points inside are those of the reduced image
+    CameraModel camera;
+    Matx44d eye_T_camera;  // the left camera's frame, in which poses are, in this one's
+    Rect2d field;          // of view
+    Mat image, reduced;    // reduced: up to date in the region looked at
+    Ptr<PartTemplateRenderer> renderer;
+    Ptr<QGOMatcher> matcher;
+
+    std::vector<ToolView> views;   // what was drawn last, in the frame of this camera
+    // of the tool that is being looked at
+    std::vector<PartTemplate> templates;
+    std::vector<PartMatch> inliers;
+    std::vector<ContourPoint> outline;
+};
+
 struct TrackedTool
 {
     Ptr<ToolModel> model;
@@ -31,7 +56,6 @@ struct TrackedTool
     // METHOD_FULL
     Ptr<ArticulatedPoseEKF> full;
     Ptr<ToolContour> contour;
-    std::vector<ContourPoint> outline;
     double contourSupport;
     int boosted;                     // frames for which the process noise stays raised
 
@@ -64,61 +88,53 @@ public:
 
 private:
     void checkJoints(const std::vector<std::vector<double> >& joints) const;
-    void check(const Mat& image, double time, const std::vector<std::vector<double> >& joints) const;
+    void check(const Mat& image, const Eye& eye, const char* name) const;
+    void checkTime(double time) const;
+    void updateEyes(double time, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates);
     void placeTools(const std::vector<std::vector<double> >& joints);
-    void reduce(const Mat& image, const Rect& roi);
     double shiftSince(const std::vector<ToolView>* drawn) const;
     const TemplateSet* drawnAhead();
-    const std::vector<PartTemplate>& draw(int tool, double scale = 1, double rotation = 0);
-    void locate(int tool, const Mat& image, const std::vector<PartTemplate>& templates, double halfWindow, bool starting);
-    bool start(int tool, const Mat& image);
-    bool search(int tool, const Mat& image);
-    bool initialize(int tool, const Mat& image, int first, int last);
-    bool startFromHandEye(int tool, const Mat& image);
+    const std::vector<PartTemplate>& draw(int tool, Eye& eye, double scale = 1, double rotation = 0);
+    void locate(int tool, Eye& eye, const std::vector<PartTemplate>& templates, double halfWindow, bool starting);
+    bool start(int tool);
+    bool search(int tool);
+    bool initialize(int tool, int first, int last);
+    bool startFromHandEye(int tool);
     bool correctFromHandEye(TrackedTool& tool);
-    bool measure(int tool, const Mat& image, const TemplateSet* ahead);
-    bool measureFull(int tool, const Mat& image);
-    bool startFull(int tool, const Mat& image);
-    int correctPoints(TrackedTool& tool);
-    double refine(int tool, const Mat& image);
-    std::vector<std::vector<double> > joints_;
-    void drawOutline(int tool);
+    bool measure(int tool, const TemplateSet* ahead);
     void conclude(TrackedTool& tool, bool seen) const;
     bool plausible(const TrackedTool& tool, const Matx44d& correction) const;
     void gather(const TrackedTool& tool);
     void report(const TrackedTool& tool, const ToolView& view, ToolEstimate& estimate) const;
 
-    Size imageSize_;       // of the images given
-    int reduction_;        // by this they are reduced; camera_ and all image points inside are those of the reduced image
-    CameraModel camera_;
-    Rect2d field_;         // the camera's field of view
-    Mat reduced_;          // up to date in the region looked at
+    // METHOD_FULL
+    bool startFull(int tool);
+    bool measureFull(int tool, const TemplateSet* ahead);
+    int correctPoints(TrackedTool& tool);
+    void sampleContours(int tool, const TemplateSet* ahead);
+    double refine(TrackedTool& tool, int firstPass);
+    double support(const TrackedTool& tool);
+    bool movedSince(int tool, const std::vector<ToolView>& drawn) const;
+
+    std::vector<Eye> eyes_;   // the left one first
+    size_t open_;             // of them have an image of this frame
     Params params_;
-    double pixelScale_;    // of thresholds given for images 720 pixels wide
-    Ptr<PartTemplateRenderer> renderer_;
-    Ptr<QGOMatcher> matcher_;
+    double pixelScale_;       // of thresholds given for images 720 pixels wide
     Ptr<GeometricContextVerifier> verifier_, startVerifier_;   // the first pose needs more points to agree
     std::vector<TrackedTool> tools_;
     std::vector<ToolView> views_;
+    std::vector<std::vector<double> > joints_;
     double time_;
 
     // of one locate()
-    std::vector<PartTemplate> templates_;
     std::vector<Point2d> predicted_;
     std::vector<Rect> windows_;
     std::vector<PartMatch> matches_;
-    std::vector<PartMatch> inliers_;
-
-    // METHOD_FULL
-    Ptr<MeshRenderer> outlineRenderer_;
-    std::vector<int> outlineMeshes_;   // first mesh of each tool
-    std::vector<MeshInstance> outlineInstances_;
-    Rendering outlineRendering_;
-    std::vector<int> parts_;
 
     // of one correction
     std::vector<Point3d> nominalPoints_;
     std::vector<Point2d> imagePoints_;
+    std::vector<int> parts_;
     std::vector<uchar> used_;
 
     Ptr<RenderAhead> ahead_;   // made by the first renderAhead()

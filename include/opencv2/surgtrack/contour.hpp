@@ -19,6 +19,7 @@ struct CV_EXPORTS_W_SIMPLE ContourPoint
 
     CV_PROP int link;              //!< index of the link it lies on
     CV_PROP Point3d linkPoint;     //!< in the link's frame [m]
+    CV_PROP Point3d linkDirection; //!< along the edge, in the link's frame; the tool is on its right, seen from the camera
     CV_PROP Point2d imagePoint;    //!< where it is expected [pixel]
     CV_PROP Point2d normal;        //!< unit vector in the image, out of the tool
     CV_PROP bool crease;           //!< an edge inside the tool's image, not its outline
@@ -28,32 +29,48 @@ struct CV_EXPORTS_W_SIMPLE ContourPoint
     CV_PROP double strength;       //!< of that edge, change of the strongest channel [grey levels a pixel]
 };
 
-/** @brief The outline of a tool: from its meshes' edges, exact to a fraction of a pixel, where a drawing shows that they are seen.
+/** @brief The outline of a tool: from its meshes' edges, so exact to a fraction of a pixel, where a drawing shows that they are seen.
 
 An edge between a triangle that faces the camera and one that does not is part of the outline if the drawing has the tool on one
-side of it and neither this nor another tool on the other. Sharp edges between triangles that both face the camera are creases. */
-class CV_EXPORTS ToolContour
+side of it and neither this nor another tool on the other. Sharp edges between two triangles that face the camera are creases. */
+class CV_EXPORTS_W ToolContour
 {
 public:
     struct CV_EXPORTS_W_SIMPLE Params
     {
         CV_WRAP Params();
-        CV_PROP_RW double spacing;      //!< distance of the points [pixel]; default 3: nearer ones say the same
-        CV_PROP_RW int maxPoints;       //!< if there would be more, the spacing grows; default 400
+        CV_PROP_RW double spacing;      //!< distance of the points [pixel]; default 3: nearer ones tell the same
+        CV_PROP_RW int maxPoints;       //!< more than these are thinned out; default 400
         CV_PROP_RW double creaseAngle;  //!< edges sharper than this are creases [rad]; 0 = no creases
     };
 
-    static Ptr<ToolContour> create(const Ptr<ToolModel>& model, const Params& params = Params());
+    CV_WRAP static Ptr<ToolContour> create(const Ptr<ToolModel>& model, const ToolContour::Params& params = ToolContour::Params());
     virtual ~ToolContour() {}
 
     /** @param camera of the drawing
     @param view of this tool
-    @param rendering a drawing of all tools from (nearly) this view; points outside its window are left out
+    @param rendering a drawing of all tools from this view; points outside its window are left out
     @param id of this tool's meshes in the drawing
     @param points result */
     virtual void sample(const CameraModel& camera, const ToolView& view, const Rendering& rendering, int id,
                         std::vector<ContourPoint>& points) = 0;
+
+    /** @brief The same for a single tool, which is drawn for it.
+    @param camera intrinsics and distortion
+    @param camera_T_base pose of the arm's base in the camera frame
+    @param joints one value per coordinate [rad or m] */
+    CV_WRAP std::vector<ContourPoint> sampleTool(const CameraModel& camera, const Matx44d& camera_T_base, InputArray joints);
+
+protected:
+    virtual Ptr<ToolModel> model() const = 0;
 };
+
+/** @brief Moves contour points to where another view has them, as long as it is so near that the same points of the tool make its
+outline: to a tenth of a pixel for turns up to 0.05 rad.
+@param camera of the view
+@param view of their tool
+@param points imagePoint and normal are set; points that are not in front of the camera are dropped */
+CV_EXPORTS void placeContour(const CameraModel& camera, const ToolView& view, std::vector<ContourPoint>& points);
 
 /** @brief Where edges are sought, and which are believed. */
 struct CV_EXPORTS_W_SIMPLE ContourSearch
@@ -70,7 +87,7 @@ normal, over all channels, nearer ones preferred.
 @param points their found, offset and strength are set
 @param search where to look
 @return how many were found */
-CV_EXPORTS int matchContour(InputArray image, std::vector<ContourPoint>& points, const ContourSearch& search);
+CV_EXPORTS_W int matchContour(InputArray image, CV_IN_OUT std::vector<ContourPoint>& points, const ContourSearch& search);
 
 //! @}
 

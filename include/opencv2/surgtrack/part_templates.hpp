@@ -58,6 +58,7 @@ public:
         CV_PROP_RW int maxFeatures;             //!< features kept, spread over the box; default 250 (paper's release: 63)
         CV_PROP_RW double magnitudeThreshold;   //!< see quantizeOrientations(); default 80 (paper's release: 50): the gentle shading of a round shaft is no edge in an image
         CV_PROP_RW double depthSlack;           //!< a keypoint this far behind the drawn surface is visible [m]; 0.001, as the paper's release
+        CV_PROP_RW bool wholeTool;              //!< rendering() shows the tool as far as it lies in the image, not only its parts; default false
         CV_PROP_RW double tipDepthSlack;        //!< the same for keypoints on the last links of the chain (tips) [m]; 0.003, as the paper's release
     };
 
@@ -90,8 +91,11 @@ public:
 
     virtual Ptr<ToolModel> model(int tool) const = 0;
 
-    //! The last drawing, for a look at it.
+    //! The last drawing: of the parts' surroundings, or of the whole tool.
     virtual const Rendering& rendering() const = 0;
+
+    //! Takes the last drawing away, for another's memory.
+    virtual void swapRendering(Rendering& other) = 0;
 };
 
 //! @}
