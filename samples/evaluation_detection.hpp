@@ -96,7 +96,12 @@ public:
         pixel_ = camera_.imageSize().width / 720.;
         renderer_ = PartTemplateRenderer::create();
         for (size_t i = 0; i < data.tools.size(); i++)
+        {
             renderer_->addTool(data.tools[i].model);
+            const std::vector<String> names = data.tools[i].model->keypointNames();
+            for (size_t j = 0; j < names.size(); j++)
+                detection_.at(0, names[j]);   // in the order of the tool file, whatever is seen first
+        }
         matcher_ = QGOMatcher::create();
     }
 

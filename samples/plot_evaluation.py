@@ -135,9 +135,9 @@ def plotScores(pyplot, evaluation):
             values[row["sequence"], row["method"]] = row["%s_mean_%s" % (name, unit)]
             deviations[row["sequence"], row["method"]] = row["%s_std_%s" % (name, unit)]
         bars(axis, evaluation.sequences, evaluation.methods, values, deviations)
-        known = [v for v in values.values() if v > 0]
+        known = [v for v in values.values() if v > 1e-6]   # the control of the first frame alone is exact
         if known:
-            # Errors of a control start at exactly zero; the methods differ by factors.
+            # The methods differ by factors.
             axis.set_yscale("log")
             axis.set_ylim(bottom=min(known) / 3)
         axis.set_xticklabels(evaluation.sequences, rotation=10)
@@ -181,7 +181,7 @@ def plotDetectionOfParts(pyplot, evaluation):
         for axis, threshold in zip(axes[i], thresholds):
             rates = {(row["part"], row["top_n"]): 100 * row["rate"] for row in rows if (row["variant"], row["threshold_px"]) == (variant, threshold)}
             table = [[rates.get((part, n), math.nan) for n in counts] for part in parts]
-            axis.imshow(table, vmin=min(lowest, 99), vmax=100, cmap="RdYlGn", aspect="auto")
+            axis.imshow(table, vmin=min(lowest, 99), vmax=100, cmap="RdYlGn", alpha=0.6, aspect="auto")
             for y, line in enumerate(table):
                 for x, rate in enumerate(line):
                     axis.text(x, y, "" if math.isnan(rate) else "%.1f" % rate, ha="center", va="center", fontsize=6)
