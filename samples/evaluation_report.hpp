@@ -198,6 +198,19 @@ inline bool hasCovariance(const Result& result)
     return false;
 }
 
+//! The same for joint offsets.
+inline bool hasOffsets(const Result& result)
+{
+    for (size_t i = 0; i < result.runs.size(); i++)
+        for (size_t j = 0; j < result.runs[i].records.size(); j++)
+        {
+            const Record& r = result.runs[i].records[j];
+            if (r.covered() && std::count(r.offsets.begin(), r.offsets.end(), 0.) < (int)r.offsets.size())
+                return true;
+        }
+    return false;
+}
+
 inline void writeReport(const String& filename, const Results& results, const std::vector<std::string>& failures)
 {
     TextFile file(filename);
@@ -221,6 +234,9 @@ inline void writeReport(const String& filename, const Results& results, const st
     for (size_t i = 0; i < results.size(); i++)
         if (hasCovariance(*results[i]))
             file << "![](error_" + results[i]->data.label + ".png)\n\n![](nees_" + results[i]->data.label + ".png)\n\n";
+    for (size_t i = 0; i < results.size(); i++)
+        if (hasOffsets(*results[i]))
+            file << "![](offsets_" + results[i]->data.label + ".png)\n\n";
     file << "## Worst frames\n\nThe tracked frame whose end effector is farthest off. White: truth, green: estimate; right: twice as large.\n\n"
          << worstTable(results);
     file.finish();

@@ -75,6 +75,16 @@ class Evaluation:
                 name = "frames_%s_%s.csv" % (row["sequence"], row["method"])
                 self.frames[row["sequence"], row["method"]] = read(folder, name, ["tool", "state"] + numbers, numbers)
 
+    def withOffsets(self, sequence):
+        """The first method that estimates joint offsets, its frames with a pose, and the coordinates it does so for; or nothing."""
+        for method in self.methods:
+            rows = [row for row in self.frames.get((sequence, method), []) if row["state"] in ("tracking", "coasting")]
+            names = [column[len("offset_"):] for column in (rows[0] if rows else []) if column.startswith("offset_")]
+            names = [name for name in names if any(row["offset_" + name] not in ("", "0") for row in rows)]
+            if names:
+                return method, rows, names
+        return None
+
     def withCovariance(self, sequence):
         """Methods with a covariance, and their frames with a pose."""
         result = []
@@ -251,6 +261,31 @@ def plotErrors(pyplot, evaluation, sequence):
     save(pyplot, figure, evaluation.folder, "error_%s.png" % sequence)
 
 
+def plotOffsets(pyplot, evaluation, sequence):
+    method, rows, names = evaluation.withOffsets(sequence)
+    columns = min(4, len(names))
+    lines = -(-len(names) // columns)
+    figure, axes = pyplot.subplots(lines, columns, figsize=(1 + 4 * columns, 0.8 + 2.6 * lines), squeeze=False, sharex=True)
+    for axis in axes.flat[len(names):]:
+        axis.axis("off")
+    for axis, name in zip(axes.flat, names):
+        for tool, color in zip(unique(row["tool"] for row in rows), ("tab:blue", "tab:orange", "tab:green", "tab:red")):
+            ours = [row for row in rows if row["tool"] == tool]
+            for prefix, style in (("offset_", "-"), ("true_offset_", "--")):
+                values = [float(row.get(prefix + name) or "nan") for row in ours]
+                axis.plot([row["time"] for row in ours], values, style, color=color, lw=1, label="%s%s" % (tool, ", true" if style == "--" else ""))
+        axis.set_title(name, fontsize=9)
+        axis.grid(alpha=0.3)
+    for axis in axes[-1]:
+        axis.set_xlabel("time [s]")
+    for line in axes:
+        line[0].set_ylabel("offset [rad or m]")
+    axes[0, 0].legend(fontsize=7)
+    figure.suptitle("%s, %s: what is added to the joint readings, and what would have to be" % (sequence, title(method)), fontsize=10)
+    figure.tight_layout()
+    save(pyplot, figure, evaluation.folder, "offsets_%s.png" % sequence)
+
+
 def plotNees(pyplot, evaluation, sequence):
     figure, axis = pyplot.subplots(figsize=(11, 4))
     for method, rows in evaluation.withCovariance(sequence):
@@ -286,6 +321,8 @@ def plot(evaluation):
         if sequence != "all" and evaluation.withCovariance(sequence):
             plotErrors(pyplot, evaluation, sequence)
             plotNees(pyplot, evaluation, sequence)
+        if sequence != "all" and evaluation.withOffsets(sequence):
+            plotOffsets(pyplot, evaluation, sequence)
 
 
 def main():
