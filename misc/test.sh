@@ -232,6 +232,8 @@ run_evaluation() {
   if "$PYTHON" -c 'import matplotlib' 2>/dev/null; then
     sample "plot_evaluation.py" limited "${plot[@]}" "$work/evaluation"
     sample "its pictures" pictures_there "$work/evaluation"
+  else
+    echo "skipped: the plots of plot_evaluation.py, which need matplotlib"
   fi
   cp -r "$work/pair" "$work/untrue"
   rm "$work/untrue/groundtruth.csv"

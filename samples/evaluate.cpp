@@ -92,7 +92,8 @@ Run track(const Data& data, const String& name, const Options& options, bool ste
 {
     if (!options.quiet)
         std::fprintf(stderr, "%s: %s\n", data.label.c_str(), methodTitle(name).c_str());
-    TrackedRun run(data, name, methodOf(stereo ? "full" : name), stereo, stereo ? options.methods[0] == "full" : options.methods[0] == name);
+    const String method = stereo ? String("full") : name;
+    TrackedRun run(data, name, methodOf(method), stereo, method == options.methods[0]);
     return run.track(options.frames, options.quiet);
 }
 
@@ -125,7 +126,10 @@ void writeAll(const Options& options, const Results& results, const std::vector<
     writeConsistency(utils::fs::join(out, "consistency.csv"), results);
     for (size_t i = 0; i < results.size(); i++)
         for (size_t j = 0; j < results[i]->runs.size(); j++)
-            writeFrames(utils::fs::join(out, "frames_" + results[i]->data.label + "_" + results[i]->runs[j].method + ".csv"), *results[i], results[i]->runs[j]);
+        {
+            const Run& run = results[i]->runs[j];
+            writeFrames(utils::fs::join(out, "frames_" + results[i]->data.label + "_" + run.method + ".csv"), *results[i], run);
+        }
     writeWorst(out, results);
     writeReport(utils::fs::join(out, "report.md"), results, failures);
 }

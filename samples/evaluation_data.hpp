@@ -7,6 +7,7 @@
 #ifndef OPENCV_SURGTRACK_SAMPLES_EVALUATION_DATA_HPP
 #define OPENCV_SURGTRACK_SAMPLES_EVALUATION_DATA_HPP
 
+#include <cctype>
 #include <map>
 #include <sstream>
 #include "opencv2/core/utils/filesystem.hpp"

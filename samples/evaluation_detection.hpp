@@ -161,7 +161,8 @@ private:
             turn[i] = rng_.gaussian(degrees * CV_PI / 180);
         const double direction = rng_.uniform(0., 2 * CV_PI), away = rng_.gaussian(depth);
         const Vec3d t = translationOf(camera_T_tool);
-        const Vec3d shift(pixels * pixel_ * std::cos(direction) * t[2] / camera_.fx, pixels * pixel_ * std::sin(direction) * t[2] / camera_.fy, away);
+        const double side = pixels * pixel_ * t[2];
+        const Vec3d shift(side * std::cos(direction) / camera_.fx, side * std::sin(direction) / camera_.fy, away);
         return rigid(rotationFromVector(turn) * rotationOf(camera_T_tool), t + shift);
     }
 
@@ -174,8 +175,10 @@ private:
             for (size_t part = 0; part < data_.keypoints[tool].size(); part++)
             {
                 const std::map<int, TrueKeypoint>::const_iterator it = data_.keypoints[tool][part].find(frame);
-                if (it != data_.keypoints[tool][part].end() && it->second.visible)
-                    result[(int)part] = Point2d((it->second.imagePoint.x + 0.5) / reduction_ - 0.5, (it->second.imagePoint.y + 0.5) / reduction_ - 0.5);
+                if (it == data_.keypoints[tool][part].end() || !it->second.visible)
+                    continue;
+                const Point2d& p = it->second.imagePoint;
+                result[(int)part] = Point2d((p.x + 0.5) / reduction_ - 0.5, (p.y + 0.5) / reduction_ - 0.5);
             }
             return result;
         }

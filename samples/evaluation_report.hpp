@@ -94,7 +94,7 @@ inline std::string scoreTable(const Results& results)
             if (!all && !find(*results[i], methods[j]))
                 continue;
             const Score s = all ? overallScore(results, methods[j]) : scoreOf(*find(*results[i], methods[j]));
-            text += "| " + (j > 0 ? String() : all ? String("all") : results[i]->data.label) + " | " + methodTitle(methods[j]) +
+            text += "| " + (j > 0 ? String() : labelOf(results, i)) + " | " + methodTitle(methods[j]) +
                     format(" | %d | ", s.frames) + shown(1e3 * s.translation.mean(), 1e3 * s.translation.deviation(), 2) + " | " +
                     shown(s.rotation.mean(), s.rotation.deviation(), 3) + " | " + shown(100 * s.share(s.accurate), 2, " %") + " | " +
                     shown(100 * s.share(s.covered), 1, " %") + " | " + shown(100 * s.share(s.silent), 2, " %") + " | " + shown(s.hz(), 0) + " |\n";
@@ -114,8 +114,9 @@ inline std::string detectionTable(const Results& results)
         for (int variant = 0; variant < VARIANTS; variant++)
         {
             const DetectionCount count = detection.all(variant);
-            text += "| " + (variant > 0 ? String() : all ? String("all") : results[i]->data.label) + " | " +
-                    (variant == 0 ? "with the raw hand-eye" : "as tracked") + " | " + shown(count.samples ? count.prior / count.samples : unknown(), 1);
+            text += "| " + (variant > 0 ? String() : labelOf(results, i)) + " | " +
+                    (variant == 0 ? "with the raw hand-eye" : "as tracked") + " | " +
+                    shown(count.samples ? count.prior / count.samples : unknown(), 1);
             for (int n = 0; n < MAX_TOP_N; n += MAX_TOP_N - 1)
                 for (int k = 0; k < THRESHOLDS; k++)
                     text += " | " + shown(100 * count.rate(k, n), 1, " %");
@@ -137,7 +138,7 @@ inline std::string axesTable(const Results& results)
             const std::vector<const Run*> runs = runsOf(results, i, methods[j]);
             if (runs.empty())
                 continue;
-            text += "| " + (j > 0 ? String() : i == results.size() ? String("all") : results[i]->data.label) + " | " + methodTitle(methods[j]);
+            text += "| " + (j > 0 ? String() : labelOf(results, i)) + " | " + methodTitle(methods[j]);
             for (int axis = 0; axis < 3; axis++)
             {
                 AxisError error;
@@ -164,7 +165,7 @@ inline std::string consistencyTable(const Results& results)
             const std::vector<ConsistencyRow> rows = consistencyOf(runs);
             for (size_t k = 0; k < rows.size(); k++)
                 if (rows[k].frames > 0)
-                    text += "| " + (i == results.size() ? String("all") : results[i]->data.label) + " | " + methodTitle(methods[j]) + " | " + rows[k].quantity +
+                    text += "| " + labelOf(results, i) + " | " + methodTitle(methods[j]) + " | " + rows[k].quantity +
                             format(" (expected %g) | ", rows[k].expected) + shown(rows[k].mean, 2) + " | " + shown(rows[k].band.low, 2) + " to " +
                             shown(rows[k].band.high, 2) + format(" | %d | ", rows[k].runs) + shown(100 * rows[k].inside, 1, " %") + " |\n";
         }
@@ -181,9 +182,10 @@ inline std::string worstTable(const Results& results)
             if (run.worst.image.empty())
                 continue;
             const Record& r = run.worst.record;
-            text += format("%s, %s: frame %d, %s, %.2f mm, %.3f rad; %d inliers of similarity %.2f\n\n![](%s)\n\n", results[i]->data.label.c_str(),
-                           methodTitle(run.method).c_str(), r.frame, results[i]->data.tools[r.tool].info.name.c_str(), 1e3 * r.translation, r.rotation,
-                           r.inliers, r.similarity, worstName(*results[i], run).c_str());
+            text += results[i]->data.label + ", " + methodTitle(run.method) + format(": frame %d, ", r.frame) +
+                    results[i]->data.tools[r.tool].info.name + format(", %.2f mm, %.3f rad; %d inliers of similarity %.2f", 1e3 * r.translation,
+                                                                      r.rotation, r.inliers, r.similarity) +
+                    "\n\n![](" + worstName(*results[i], run) + ")\n\n";
         }
     return text.empty() ? "No frame was tracked.\n\n" : text;
 }
@@ -217,19 +219,22 @@ inline void writeReport(const String& filename, const Results& results, const st
     file << "# Evaluation\n\nPictures that are missing come from `plot_evaluation.py` with this folder.\n\n";
     for (size_t i = 0; i < failures.size(); i++)
         file << (i == 0 ? "Not evaluated:\n\n" : "") + ("- " + failures[i] + "\n") + (i + 1 == failures.size() ? "\n" : "");
-    file << "## Errors\n\nMean ± standard deviation over the frames with a pose (tracking or coasting). Accuracy: share of all frames whose mean "
-            "reprojection error is at most 10 px in an image 720 px wide. Silent: share of all frames that claim to be tracking and are more than 5 mm "
-            "off. Hz: of `ToolTracker::update()`, all tools of a frame, the only figures that differ from run to run. Two controls look at no image and give a pose "
-            "in every frame: `recorded`, joint readings and hand-eye calibration as recorded; `frozen`, the true correction of the first frame, kept.\n\n"
+    file << "## Errors\n\nMean \xc2\xb1 standard deviation over the frames with a pose (tracking or coasting). Accuracy: share of all frames "
+            "whose mean reprojection error is at most 10 px in an image 720 px wide. Silent: share of all frames that claim to be tracking "
+            "and are more than 5 mm off. Hz: of `ToolTracker::update()`, all tools of a frame, the only figures that differ from run to run. "
+            "Two controls look at no image and give a pose in every frame: `recorded`, joint readings and hand-eye calibration as recorded; "
+            "`frozen`, the true correction of the first frame, kept.\n\n"
          << scoreTable(results) << "\n![](table.png)\n\n";
-    file << "## Detection of parts\n\nShare of the visible keypoints with a template that have a match within so many pixels (of an image 720 px wide) "
-            "among the best 1 or 5 of their part.\n\n"
+    file << "## Detection of parts\n\nShare of the visible keypoints with a template that have a match within so many pixels (of an image "
+            "720 px wide) among the best 1 or 5 of their part.\n\n"
          << detectionTable(results) << "\n![](detection.png)\n\n![](detection_parts.png)\n\n";
-    file << "## Rotation error by axis\n\nSize of the components of the rotation vector of R_true^T R_estimate [rad], about the axes of the end effector.\n\n"
+    file << "## Rotation error by axis\n\nSize of the components of the rotation vector of R_true^T R_estimate [rad], about the axes of the "
+            "end effector.\n\n"
          << axesTable(results) << "\n![](rotation_axes.png)\n\n";
-    file << "## Consistency\n\nNEES: squared error of `camera_T_tool` normalised by its covariance. Its mean is that over runs (a tool of a sequence each) of their "
-            "means over time, the band that of the mean of as many independent values: errors of successive frames are correlated. NIS per degree of "
-            "freedom, two an inlier, over all frames. The last column looks at each frame alone: 95 % if the filter is consistent.\n\n"
+    file << "## Consistency\n\nNEES: squared error of `camera_T_tool` normalised by its covariance. Its mean is that over runs (a tool of a "
+            "sequence each) of their means over time, the band that of the mean of as many independent values: errors of successive frames are "
+            "correlated. NIS per degree of freedom, two an inlier, over all frames. The last column looks at each frame alone: 95 % if the "
+            "filter is consistent.\n\n"
          << consistencyTable(results) << "\n";
     for (size_t i = 0; i < results.size(); i++)
         if (hasCovariance(*results[i]))

@@ -93,16 +93,15 @@ inline void score(const Data& data, PoseScorer& scorer, Run& run)
     run.scores.push_back(scorer.score(-1));
 }
 
-/** @brief Tracks a sequence.
-@param data the sequence
-@param method see TrackingMethod
-@param stereo the right image too
-@param frames at most so many; 0 = all
-@param keepWorst whether the worst frame's image is wanted
-@param quiet no progress */
+//! Tracks a sequence.
 class TrackedRun
 {
 public:
+    /** @param data the sequence; must outlive this
+    @param name of the method, for the tables
+    @param method see TrackingMethod
+    @param stereo the right image too
+    @param keepWorst whether the worst frame's image is wanted */
     TrackedRun(const Data& data, const String& name, int method, bool stereo, bool keepWorst)
         : data_(data), stereo_(stereo), keepWorst_(keepWorst)
     {
@@ -117,6 +116,7 @@ public:
         scorer_ = PoseScorer::create(data.sequence->leftCamera(), (int)data.tools.size());
     }
 
+    //! @param frames at most so many; 0 = all
     const Run& track(int frames, bool quiet)
     {
         common::FrameReader reader(*data_.sequence, 0);

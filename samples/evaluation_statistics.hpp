@@ -188,9 +188,10 @@ inline std::string shown(double value, int decimals, const char* unit = "")
     return cvIsNaN(value) || cvIsInf(value) ? "-" : cv::format("%.*f%s", decimals, value, unit);
 }
 
+//! A mean, plus-minus sign (UTF-8), deviation.
 inline std::string shown(double mean, double deviation, int decimals)
 {
-    return cvIsNaN(mean) ? "-" : cv::format("%.*f ± %.*f", decimals, mean, decimals, deviation);
+    return cvIsNaN(mean) ? "-" : cv::format("%.*f \xc2\xb1 %.*f", decimals, mean, decimals, deviation);
 }
 
 //! A text file; what can't be written is an error that names it.

@@ -7,8 +7,8 @@
 #ifndef OPENCV_SURGTRACK_SAMPLES_EVALUATION_TABLES_HPP
 #define OPENCV_SURGTRACK_SAMPLES_EVALUATION_TABLES_HPP
 
+#include "evaluation_consistency.hpp"
 #include "evaluation_detection.hpp"
-#include "evaluation_runs.hpp"
 
 namespace evaluation {
 
@@ -35,6 +35,12 @@ inline std::vector<String> methodsOf(const Results& results)
                 methods.push_back(results[i]->runs[j].method);
         }
     return methods;
+}
+
+//! The name of a sequence, or, beyond the last, of all.
+inline String labelOf(const Results& results, size_t index)
+{
+    return index < results.size() ? results[index]->data.label : String("all");
 }
 
 inline const Run* find(const Result& result, const String& method)
@@ -141,7 +147,7 @@ inline void writeDetections(const String& filename, const Results& results)
     {
         const bool last = i == results.size();
         const Detection& detection = last ? sum : results[i]->detection;
-        const String sequence = last ? String("all") : results[i]->data.label;
+        const String sequence = labelOf(results, i);
         for (int variant = 0; variant < VARIANTS; variant++)
         {
             for (size_t part = 0; part < detection.parts.size(); part++)
@@ -185,94 +191,11 @@ inline void writeAxes(const String& filename, const Results& results)
                         error.add(*run, axis);
                 if (!all && !find(*results[i], methods[j]))
                     continue;
-                file << (all ? String("all") : results[i]->data.label) + "," + methods[j] + format(",%c,", 'x' + axis) + cell(error.size.mean()) + "," +
+                file << labelOf(results, i) + "," + methods[j] + format(",%c,", 'x' + axis) + cell(error.size.mean()) + "," +
                             cell(error.size.deviation()) + "," + cell(error.value.mean()) + "," + cell(error.value.deviation()) +
                             format(",%d\n", error.value.count());
             }
     file.finish();
-}
-
-/** Whether a filter is as good as it says. NEES: the mean over runs, a tool of a sequence each, of their means over time; its band is
-that of the mean of as many independent values, since the errors of successive frames are not independent. NIS per degree of freedom:
-the mean over all frames; innovations of a consistent filter are independent, so its band has the degrees of freedom of all of them. */
-struct Consistency
-{
-    std::map<std::pair<const Run*, int>, Moments> runs;   // of a tool
-    double dof, sum;                                      // NIS: of all frames
-    int frames, inside;
-    Consistency() : dof(0), sum(0), frames(0), inside(0) {}
-
-    void addNees(const Run& run, double Record::*value, int degrees)
-    {
-        const Band band(degrees, 1);
-        for (size_t i = 0; i < run.records.size(); i++)
-        {
-            const Record& r = run.records[i];
-            if (!r.covered() || cvIsNaN(r.*value))
-                continue;
-            runs[std::make_pair(&run, r.tool)].add(r.*value);
-            frames++;
-            inside += band.holds(r.*value);
-        }
-    }
-    void addNis(const Run& run)
-    {
-        std::map<int, Band> bands;
-        for (size_t i = 0; i < run.records.size(); i++)
-        {
-            const Record& r = run.records[i];
-            const int degrees = 2 * r.inliers;   // u and v of each
-            if (!r.covered() || cvIsNaN(r.nis) || degrees <= 0)
-                continue;
-            const Band& band = bands.insert(std::make_pair(degrees, Band(degrees, degrees))).first->second;
-            runs[std::make_pair(&run, r.tool)].add(r.nis);
-            dof += degrees;
-            sum += r.nis * degrees;
-            frames++;
-            inside += band.holds(r.nis);
-        }
-    }
-    double meanOfRuns() const
-    {
-        Moments mean;
-        for (std::map<std::pair<const Run*, int>, Moments>::const_iterator it = runs.begin(); it != runs.end(); ++it)
-            mean.add(it->second.mean());
-        return mean.mean();
-    }
-};
-
-struct ConsistencyRow
-{
-    String quantity;
-    int frames, runs;
-    double expected, mean, inside;
-    Band band;
-
-    ConsistencyRow(const String& name, const Consistency& c, double newExpected, double newMean, const Band& newBand)
-        : quantity(name), frames(c.frames), runs((int)c.runs.size()), expected(newExpected), mean(newMean),
-          inside(c.frames ? double(c.inside) / c.frames : unknown()), band(newBand)
-    {
-    }
-};
-
-inline std::vector<ConsistencyRow> consistencyOf(const std::vector<const Run*>& runs)
-{
-    static const struct { const char* name; double Record::*value; int dof; } kinds[] = {
-        { "nees", &Record::nees, 6 }, { "nees_rotation", &Record::rotationNees, 3 }, { "nees_translation", &Record::translationNees, 3 } };
-    std::vector<ConsistencyRow> rows;
-    for (int k = 0; k < 3; k++)
-    {
-        Consistency c;
-        for (size_t i = 0; i < runs.size(); i++)
-            c.addNees(*runs[i], kinds[k].value, kinds[k].dof);
-        const double n = (double)c.runs.size();
-        rows.push_back(ConsistencyRow(kinds[k].name, c, kinds[k].dof, c.meanOfRuns(), Band(kinds[k].dof * n, n)));
-    }
-    Consistency c;
-    for (size_t i = 0; i < runs.size(); i++)
-        c.addNis(*runs[i]);
-    rows.push_back(ConsistencyRow("nis", c, 1, c.dof > 0 ? c.sum / c.dof : unknown(), Band(c.dof, c.dof)));
-    return rows;
 }
 
 //! Runs of a method in one sequence, or, if index is beyond the last, in all.
@@ -301,7 +224,7 @@ inline void writeConsistency(const String& filename, const Results& results)
             for (size_t k = 0; k < rows.size(); k++)
             {
                 const ConsistencyRow& row = rows[k];
-                file << (i == results.size() ? String("all") : results[i]->data.label) + "," + methods[j] + "," + row.quantity + "," +
+                file << labelOf(results, i) + "," + methods[j] + "," + row.quantity + "," +
                             cell(row.expected) + "," + cell(row.mean) + "," + cell(row.band.low) + "," + cell(row.band.high) +
                             format(",%d,%d,", row.runs, row.frames) + cell(row.inside) + "\n";
             }
