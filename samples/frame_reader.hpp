@@ -19,8 +19,9 @@ namespace common {
 class FrameReader
 {
 public:
-    FrameReader(const cv::surgtrack::Sequence& sequence, int start)
-        : filename_(sequence.leftVideo()), size_(sequence.leftCamera().imageSize()), next_(0), decoded_(0), taken_(0), ended_(false), stop_(false)
+    FrameReader(const cv::surgtrack::Sequence& sequence, int start, bool right = false)
+        : filename_(right ? sequence.rightVideo() : sequence.leftVideo()),
+          size_((right ? sequence.rightCamera() : sequence.leftCamera()).imageSize()), next_(0), decoded_(0), taken_(0), ended_(false), stop_(false)
     {
         if (!capture_.open(filename_))
             fail(filename_ + ": can't be read as a video");

@@ -1,0 +1,210 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+// Measures the tracker on sequences whose truth is known: the tables and figures of Ye et al. 2016, Sec. 3, and whether the filter is
+// as good as it says.
+
+#include "evaluation_report.hpp"
+
+using namespace cv;
+using namespace cv::surgtrack;
+using namespace evaluation;
+
+namespace {
+
+const char* const KEYS =
+    "{ help h    |                 | print this }"
+    "{ sequences |                 | folders of sequences with groundtruth.csv, separated by commas }"
+    "{ out       |                 | folder to write; is made if it does not exist }"
+    "{ methods   | full,paper,epnp | methods to evaluate, separated by commas: full, paper, epnp. Worst frames are those of the first }"
+    "{ frames    | 0               | number of frames of each sequence, 0 = to the end of the video }"
+    "{ stereo    |                 | method full a second time with the right image, where there is one }"
+    "{ quiet     |                 | no progress }";
+
+struct Options
+{
+    std::vector<String> sequences, methods;
+    String out;
+    int frames;
+    bool stereo, quiet;
+};
+
+std::vector<String> split(const CommandLineParser& parser, const char* name)
+{
+    const String text = parser.get<String>(name);
+    std::vector<String> parts;
+    size_t start = 0;
+    for (size_t end = 0; end != String::npos; start = end + 1)
+    {
+        end = text.find(',', start);
+        parts.push_back(text.substr(start, end == String::npos ? end : end - start));
+        if (parts.back().empty())
+            fail("argument '--" + String(name) + "=" + text + "': expected values separated by commas, none of them empty");
+        if (std::count(parts.begin(), parts.end(), parts.back()) > 1)
+            fail("argument '--" + String(name) + "=" + text + "': '" + parts.back() + "' is there twice");
+    }
+    return parts;
+}
+
+int methodOf(const String& name)
+{
+    return name == "full" ? METHOD_FULL : name == "paper" ? METHOD_PAPER : METHOD_EPNP;
+}
+
+Options readOptions(const CommandLineParser& parser)
+{
+    Options options;
+    if (parser.get<String>("sequences").empty())
+        fail("expected --sequences=DIR[,DIR...], see --help");
+    if (parser.get<String>("out").empty())
+        fail("expected --out=DIR, see --help");
+    options.sequences = split(parser, "sequences");
+    options.out = parser.get<String>("out");
+    options.methods = split(parser, "methods");
+    for (size_t i = 0; i < options.methods.size(); i++)
+        if (options.methods[i] != "full" && options.methods[i] != "paper" && options.methods[i] != "epnp")
+            fail("argument '--methods': '" + options.methods[i] + "' is no method, those available are full, paper and epnp");
+    options.frames = common::integer(parser, "frames", 0);
+    options.stereo = parser.has("stereo");
+    if (options.stereo && std::find(options.methods.begin(), options.methods.end(), "full") == options.methods.end())
+        fail("argument '--stereo': only method full uses the right image, expected it in --methods");
+    options.quiet = parser.has("quiet");
+    return options;
+}
+
+//! Names a label that no other sequence has.
+String uniqueLabel(const String& label, const Results& results)
+{
+    String candidate = label;
+    for (int number = 2;; number++)
+    {
+        bool taken = candidate == "all";   // the rows of all sequences
+        for (size_t i = 0; i < results.size(); i++)
+            taken = taken || results[i]->data.label == candidate;
+        if (!taken)
+            return candidate;
+        candidate = label + format("-%d", number);
+    }
+}
+
+Run track(const Data& data, const String& name, const Options& options, bool stereo)
+{
+    if (!options.quiet)
+        std::fprintf(stderr, "%s: %s\n", data.label.c_str(), methodTitle(name).c_str());
+    const String method = stereo ? String("full") : name;
+    TrackedRun run(data, name, methodOf(method), stereo, method == options.methods[0]);
+    return run.track(options.frames, options.quiet);
+}
+
+void evaluateSequence(const Options& options, Result& result)
+{
+    const Data& data = result.data;
+    for (size_t i = 0; i < options.methods.size(); i++)
+    {
+        result.runs.push_back(track(data, options.methods[i], options, false));
+        if (options.methods[i] == "full" && options.stereo && data.sequence->isStereo())
+            result.runs.push_back(track(data, "full-stereo", options, true));
+    }
+    result.runs.push_back(control(data, false, options.frames));
+    result.runs.push_back(control(data, true, options.frames));
+    if (!options.quiet)
+        std::fprintf(stderr, "%s: detection of parts\n", data.label.c_str());
+    DetectionRun detection(data);
+    result.detection = detection.run(options.frames, options.quiet);
+}
+
+void writeAll(const Options& options, const Results& results, const std::vector<std::string>& failures)
+{
+    const String& out = options.out;
+    writeScores(utils::fs::join(out, "table.csv"), results);
+    TextFile table(utils::fs::join(out, "table.md"));
+    table << scoreTable(results);
+    table.finish();
+    writeDetections(utils::fs::join(out, "detection.csv"), results);
+    writeAxes(utils::fs::join(out, "rotation_axes.csv"), results);
+    writeConsistency(utils::fs::join(out, "consistency.csv"), results);
+    for (size_t i = 0; i < results.size(); i++)
+        for (size_t j = 0; j < results[i]->runs.size(); j++)
+        {
+            const Run& run = results[i]->runs[j];
+            writeFrames(utils::fs::join(out, "frames_" + results[i]->data.label + "_" + run.method + ".csv"), *results[i], run);
+        }
+    writeWorst(out, results);
+    writeReport(utils::fs::join(out, "report.md"), results, failures);
+}
+
+//! Evaluates and writes. Returns the number of sequences that failed.
+int evaluate(const char* program, const Options& options)
+{
+    if (!utils::fs::createDirectories(options.out) || !utils::fs::isDirectory(options.out))
+        fail("argument '--out=" + options.out + "': the folder can't be made");
+    const String probe = utils::fs::join(options.out, "report.md.part");   // better now than after an hour
+    TextFile(probe).finish();
+    std::remove(probe.c_str());
+    Results results;
+    std::vector<std::string> failures;
+    for (size_t i = 0; i < options.sequences.size(); i++)
+    {
+        std::string error;
+        try
+        {
+            const Ptr<Result> result = makePtr<Result>();
+            result->data.load(options.sequences[i]);
+            result->data.label = uniqueLabel(result->data.label, results);
+            evaluateSequence(options, *result);
+            results.push_back(result);
+            continue;
+        }
+        catch (const Exception& e)
+        {
+            error = e.err.empty() ? e.what() : e.err;
+        }
+        catch (const std::exception& e)
+        {
+            error = e.what();
+        }
+        if (error.find(options.sequences[i]) == std::string::npos)
+            error = options.sequences[i] + ": " + error;
+        common::reportError(program, Exception(Error::StsError, error, "", "", 0));
+        failures.push_back(error);
+    }
+    if (!results.empty())
+    {
+        writeAll(options, results, failures);
+        std::printf("%s", scoreTable(results).c_str());
+        std::fflush(stdout);
+    }
+    return (int)failures.size();
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    const char* const program = "evaluate";
+    common::silenceLibraries();
+    try
+    {
+        const char* const options[] = { "sequences", "out", "methods", "frames" };
+        const char* const flags[] = { "help", "stereo", "quiet" };
+        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 4), std::vector<std::string>(flags, flags + 3));
+        CommandLineParser parser(argc, argv, KEYS);
+        parser.about("Measures the tracker on sequences whose truth is known; writes tables, frame by frame errors and report.md.\n"
+                     "plot_evaluation.py makes the plots.");
+        if (parser.has("help"))
+        {
+            parser.printMessage();
+            return 0;
+        }
+        return evaluate(program, readOptions(parser)) > 0 ? 1 : 0;
+    }
+    catch (const Exception& e)
+    {
+        return common::reportError(program, e);
+    }
+    catch (const std::exception& e)
+    {
+        return common::reportError(program, Exception(Error::StsError, e.what(), "", "", 0));
+    }
+}
