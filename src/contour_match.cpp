@@ -6,7 +6,7 @@
 
 namespace cv { namespace surgtrack {
 
-ContourSearch::ContourSearch() : halfWindow(8), minStrength(6), ambiguity(0.8) {}
+ContourSearch::ContourSearch() : halfWindow(8), preference(0.5), minStrength(6), ambiguity(0.8) {}
 
 namespace {
 
@@ -42,7 +42,7 @@ int matchContour(InputArray _image, std::vector<ContourPoint>& points, const Con
     CV_Check(search.halfWindow, search.halfWindow >= 1 && search.halfWindow <= maxHalf, "ContourSearch::halfWindow must be in 1..24");
     const int half = cvRound(search.halfWindow), reach = half + 4, n = 2 * reach + 1, channels = image.channels();
     float profile[3 * (2 * maxHalf + 9)], energy[2 * maxHalf + 9], prior[2 * maxHalf + 9];
-    for (int i = 0; i < n; i++) prior[i] = std::exp(-0.5f * float((i - reach) * (i - reach)) / (0.25f * half * half));
+    for (int i = 0; i < n; i++) prior[i] = search.preference > 0 ? std::exp(-0.5f * float((i - reach) * (i - reach)) / float(search.preference * search.preference * half * half)) : 1.f;
     int found = 0;
     for (size_t i = 0; i < points.size(); i++)
     {

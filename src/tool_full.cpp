@@ -16,7 +16,7 @@ static double tune(const char* name, double v) { const char* e = getenv(name); r
 const int passes = 3;
 const double searchWindows[passes] = {8, 5, 3}, tolerances[passes] = {3, 1, 0};   // [pixel at 720 px image width]
 
-const double supportedWithin = 2;      // an edge this near is the outline's [pixel at 720 px image width]
+const double supportWindow = 6, supportedWithin = 1.5;   // where edges are looked for, and which are the outline's [pixel at 720 px image width]
 
 // The outline is drawn anew where a keypoint has moved farther than this since.
 const double maxContourShift = 6;      // [pixel at 720 px image width]
@@ -103,24 +103,22 @@ double ToolTrackerImpl::refine(TrackedTool& tool, int firstPass)
     return likelihood;
 }
 
-// The share of the outline that has its edge in the image where the state has it now.
+// The share of the outline where the strongest edge around is the outline's.
 double ToolTrackerImpl::support(const TrackedTool& tool)
 {
+    ContourSearch search;
+    search.halfWindow = supportWindow * pixelScale_;
+    search.preference = 0;
+    search.ambiguity = 1;
     int supported = 0, all = 0;
     for (size_t e = 0; e < open_; e++)
     {
         Eye& eye = eyes_[e];
-        const ToolView view = seenFrom(eye, tool.full->view());
+        placeContour(eye.camera, seenFrom(eye, tool.full->view()), eye.outline);
+        matchContour(eye.pixels(), eye.outline, search);
+        all += int(eye.outline.size());
         for (size_t i = 0; i < eye.outline.size(); i++)
-        {
-            const ContourPoint& c = eye.outline[i];
-            all++;
-            if (!c.found) continue;
-            const Point3d p = transform(view.camera_T_base * view.base_T_link[c.link], c.linkPoint);
-            if (p.z < 1e-3) continue;
-            const double offset = c.normal.dot(c.imagePoint + c.normal * c.offset - eye.camera.project(p));
-            supported += std::abs(offset) < supportedWithin * pixelScale_;
-        }
+            supported += eye.outline[i].found && std::abs(eye.outline[i].offset) < supportedWithin * pixelScale_;
     }
     return all ? double(supported) / all : 0;
 }
