@@ -136,11 +136,15 @@ public:
 private:
     std::vector<Point3d> keypoints(int frame, int tool) const
     {
-        const Ptr<ToolModel> model = scene_->model();
+        return pointsOf(added(scene_->trueJoints(tool, time(frame)), tool, frame), camera_T_base(frame, tool));
+    }
+
+    std::vector<Point3d> pointsOf(const std::vector<double>& q, const Matx44d& base) const
+    {
         std::vector<Matx44d> links;
-        model->forwardKinematics(added(scene_->trueJoints(tool, time(frame)), tool, frame), links);
+        scene_->model()->forwardKinematics(q, links);
         std::vector<Point3d> points;
-        for (const ToolModel::Keypoint& k : model->keypoints()) points.push_back(transformed(camera_T_base(frame, tool) * links[k.link], k.linkPoint));
+        for (const ToolModel::Keypoint& k : scene_->model()->keypoints()) points.push_back(transformed(base * links[k.link], k.linkPoint));
         return points;
     }
 
@@ -170,7 +174,8 @@ private:
     void planJump()
     {
         end_ = begin_;
-        const Point3d centre = meanOf(keypoints(begin_, victim_));
+        const Matx44d tool = truePose(LEAD_FRAMES - 1, victim_);
+        const Point3d centre(tool(0, 3), tool(1, 3), tool(2, 3));
         for (int attempt = 0; attempt < 50; attempt++)
         {
             const Vec3d rotation = randomDirection(rng_) * (5 * CV_PI / 180), shift = randomDirection(rng_) * 0.01;
@@ -295,17 +300,20 @@ private:
 
     void planInstrument()
     {
-        const int middle = (begin_ + end_) / 2;
+        const int middle = (begin_ + end_) / 2, most = 9;   // of 14 keypoints
         const Point3d tool = meanOf(keypoints(middle, victim_)), ray = tool * (1 / cv::norm(tool));
         for (int attempt = 0; attempt < 500; attempt++)
         {
-            const double nearness = rng_.uniform(0.5, 0.75);
+            // Put over the tool, then pushed on, so that its wrist or its shaft hides the tool.
+            strangerInsertion_ = 0;
+            strangerBase_ = scene_->camera_T_base(0);
+            const Point3d stranger = meanOf(pointsOf(strangerJoints(middle), strangerBase_));
+            const Vec3d turn = Vec3d(ray.x, ray.y, ray.z) * rng_.uniform(-0.5, 0.5);
+            strangerBase_ = shiftBy(tool * rng_.uniform(0.5, 0.8) - stranger) * rotationAbout(stranger, turn) * strangerBase_;
             strangerInsertion_ = rng_.uniform(0., 0.02);
-            const Vec3d turn = Vec3d(ray.x, ray.y, ray.z) * rng_.uniform(-0.7, 0.7);
-            strangerBase_ = shiftBy(tool * (nearness - 1)) * rotationAbout(tool, turn) * scene_->camera_T_base(0);
             const double side = rng_.uniform(0., 2 * CV_PI);
             strangerSide_ = Point3d(std::cos(side), std::sin(side), 0);
-            if (keypointsBehindStranger(begin_ + 4) >= 10 && keypointsBehindStranger(middle) >= 10 && keypointsBehindStranger(end_ - 5) >= 10) return;
+            if (keypointsBehindStranger(begin_ + 4) >= most && keypointsBehindStranger(middle) >= most && keypointsBehindStranger(end_ - 5) >= most) return;
         }
         CV_Error(Error::StsError, "no instrument hides the tool");
     }
@@ -335,7 +343,7 @@ struct LossFigures
     int flagged;               // within 5 frames of the loss not `tracking` any more, or right
     int recovered;             // within 10 frames of the tool's return `tracking`, and right
     int silent;                // frames: `tracking` more than 5 mm off, but for the 5 frames of grace
-    int blind;                 // frames: `tracking` where the image shows nothing
+    int blind;                 // frames: `tracking` though the image shows nothing, after the 5 frames of grace
     int alarms, visible;       // frames: not `tracking`, of those with the tool plainly visible and known
     int disturbed, beside;     // frames: the other tool wrong or not `tracking`, of those with it plainly visible during the loss and after
     std::vector<int> delays;   // frames from the return to the recovery
@@ -379,8 +387,11 @@ inline void runTrial(Loss loss, int seed, Size size, LossFigures& figures)
             trace += traceLine(trial, frame, i, estimates[i]);
             const bool lost = i == victim && frame >= begin;
             if (lost && frame < begin + FLAG_FRAMES) flagged = flagged || !tracking || right;
-            else figures.silent += tracking && !right;
-            figures.blind += tracking && trial.showsNothing(frame);
+            else
+            {
+                figures.silent += tracking && !right;
+                figures.blind += tracking && trial.showsNothing(frame);
+            }
             if (i == victim && frame == begin - 1) started = tracking && right;
             if (i == victim && frame == begin) known[i] = false;
             const bool plain = known[i] && trial.plainlyVisible(frame, i);
