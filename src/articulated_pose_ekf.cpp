@@ -12,9 +12,10 @@
 
 namespace cv { namespace surgtrack {
 
+static double tune(const char* name, double v) { const char* e = getenv(name); return e ? atof(e) : v; }
 ArticulatedPoseEKF::Params::Params()
-    : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.02 * CV_PI / 180), processTranslation(0.00006),
-      processJoint(0.007), pointNoise(3), gate(13.8), minPoints(4), contourNoise(1), contourCorrelation(3)
+    : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(tune("QR", 0.02) * CV_PI / 180), processTranslation(tune("QT", 0.00006)),
+      processJoint(tune("QJ", 0.007)), pointNoise(tune("RP", 3)), gate(13.8), minPoints(4), contourNoise(tune("RC", 1)), contourCorrelation(tune("CC", 3))
 {
 }
 
@@ -57,8 +58,9 @@ public:
     int correctPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
                       const std::vector<Point2d>& imagePoints, std::vector<uchar>& used) CV_OVERRIDE;
     void beginContours() CV_OVERRIDE;
-    int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points) CV_OVERRIDE;
+    int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points, double tolerance) CV_OVERRIDE;
     void solveContours() CV_OVERRIDE;
+    double surprise(double rotation, double translation) const CV_OVERRIDE;
     const ToolView& view() const CV_OVERRIDE { return view_; }
     Matx44d correction() const CV_OVERRIDE { return state_.correction; }
     const std::vector<double>& offsets() const CV_OVERRIDE { return state_.offsets; }
@@ -324,9 +326,9 @@ void ArticulatedPoseEKFImpl::beginContours()
     clearInformation();
 }
 
-int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points)
+int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points,
+                                      double tolerance)
 {
-    const double sigma2 = params_.contourNoise * params_.contourNoise, variance = sigma2 * params_.contourCorrelation;
     int passed = 0;
     for (size_t i = 0; i < points.size(); i++)
     {
@@ -338,8 +340,9 @@ int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d&
         const Vector g = (c.normal.x * H.row(0) + c.normal.y * H.row(1)).transpose();
         const Point2d d = c.imagePoint + c.normal * c.offset - h;
         const double r = c.normal.dot(d);
-        if (r * r > 9 * (sigma2 + g.dot(contourP_ * g))) continue;
-        const double w = 1 / std::pow(1 + r * r / (4 * sigma2), 2) / variance;
+        const double sigma2 = std::pow(params_.contourNoise * c.deviation, 2), variance = sigma2 * params_.contourCorrelation;
+        if (r * r > 9 * (sigma2 + g.dot(contourP_ * g)) + tolerance * tolerance) continue;
+        const double w = 1 / std::pow(1 + r * r / (4 * sigma2 + tolerance * tolerance), 2) / variance;
         const double z = r + g.dot(contourX_);
         A_.noalias() += w * g * g.transpose();
         b_.noalias() += w * z * g;
@@ -348,6 +351,20 @@ int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d&
         passed++;
     }
     return passed;
+}
+
+// log p(contours | a push of this size) / p(contours | none)
+double ArticulatedPoseEKFImpl::surprise(double rotation, double translation) const
+{
+    Vector x, y;
+    Matrix posterior, pushed = contourP_;
+    for (int i = 0; i < 3; i++)
+    {
+        pushed(i, i) += rotation * rotation;
+        pushed(3 + i, 3 + i) += translation * translation;
+    }
+    if (rows_ == 0 || !solve(contourP_, x, posterior) || !solve(pushed, y, posterior)) return 0;
+    return 0.5 * b_.dot(y - x);
 }
 
 void ArticulatedPoseEKFImpl::solveContours()

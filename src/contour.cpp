@@ -7,7 +7,7 @@
 
 namespace cv { namespace surgtrack {
 
-ContourPoint::ContourPoint() : link(-1), crease(false), found(false), offset(0), strength(0) {}
+ContourPoint::ContourPoint() : link(-1), crease(false), found(false), offset(0), strength(0), deviation(0) {}
 
 ToolContour::Params::Params() : spacing(3), maxPoints(400), creaseAngle(0) {}
 
@@ -85,7 +85,7 @@ MeshEdges findEdges(const Mesh& mesh, double creaseAngle)
 }
 
 const double nearest = 5e-3;       // [m]; nothing nearer is looked at
-const double across = 2;           // so far from the edge the drawing tells what is on its sides [pixel]
+const double across = 0.8;          // so far from the edge the drawing tells what is on its sides [pixel]
 const double depthSlack = 1e-3;    // [m]
 
 

@@ -40,8 +40,8 @@ int matchContour(InputArray _image, std::vector<ContourPoint>& points, const Con
     const Mat image = _image.getMat();
     checkImage(image);
     CV_Check(search.halfWindow, search.halfWindow >= 1 && search.halfWindow <= maxHalf, "ContourSearch::halfWindow must be in 1..24");
-    const int half = cvRound(search.halfWindow), reach = half + 3, n = 2 * reach + 1, channels = image.channels();
-    float profile[3 * (2 * maxHalf + 7)], energy[2 * maxHalf + 7], prior[2 * maxHalf + 7];
+    const int half = cvRound(search.halfWindow), reach = half + 4, n = 2 * reach + 1, channels = image.channels();
+    float profile[3 * (2 * maxHalf + 9)], energy[2 * maxHalf + 9], prior[2 * maxHalf + 9];
     for (int i = 0; i < n; i++) prior[i] = std::exp(-0.5f * float((i - reach) * (i - reach)) / (0.25f * half * half));
     int found = 0;
     for (size_t i = 0; i < points.size(); i++)
@@ -65,7 +65,7 @@ int matchContour(InputArray _image, std::vector<ContourPoint>& points, const Con
         int best = -1;
         float bestScore = 0, second = 0;
         const float least = float(search.minStrength * search.minStrength);
-        for (int j = 3; j < n - 3; j++)
+        for (int j = 4; j < n - 4; j++)
         {
             if (energy[j] < least || energy[j] < energy[j - 1] || energy[j] <= energy[j + 1]) continue;
             const float score = std::sqrt(energy[j]) * prior[j];
@@ -79,8 +79,21 @@ int matchContour(InputArray _image, std::vector<ContourPoint>& points, const Con
         }
         if (best < 0 || second > search.ambiguity * bestScore) continue;
         c.found = true;
-        c.offset = best - reach + vertex(energy[best - 1], energy[best], energy[best + 1]);
+        float linear[5] = {0, 0, 0, 0, 0};
+        for (int k = 0; k < channels; k++)
+            for (int i5 = 0; i5 < 5; i5++)
+            {
+                const float* p = profile + k * n + best - 2 + i5;
+                const float g = (p[1] * p[1] - p[-1] * p[-1]) * 2 + (p[2] * p[2] - p[-2] * p[-2]);
+                linear[i5] += g * g;
+            }
+        int at = 2;
+        if (linear[1] > linear[2] && linear[1] > linear[3]) at = 1;
+        else if (linear[3] > linear[2]) at = 3;
+        c.offset = best - reach + at - 2 + vertex(linear[at - 1], linear[at], linear[at + 1]);
+        c.offset = std::min(std::max(c.offset, best - reach - 1.5), best - reach + 1.5);
         c.strength = std::sqrt(energy[best]);
+        c.deviation = std::sqrt(0.3 * 0.3 + 12 * 12 / energy[best]);
         found++;
     }
     return found;

@@ -47,22 +47,26 @@ int ToolTrackerImpl::correctPoints(TrackedTool& tool)
     return tool.full->correctPoints(camera_, Matx44d::eye(), parts_, imagePoints_, used_);
 }
 
+static double tune(const char* name, double v) { const char* e = getenv(name); return e ? atof(e) : v; }
 // Contour passes about the state of the filter; the drawing is of nearly this view.
-void ToolTrackerImpl::refine(int index, const Mat& image)
+// Returns the log likelihood of a push against none.
+double ToolTrackerImpl::refine(int index, const Mat& image)
 {
     TrackedTool& tool = tools_[index];
     StageTimer timer(times_, FILTER);
-    static const double windows[] = {8, 5, 3};
+    static const double windows[] = {8, 5, 3}, tolerances[] = {tune("T0", 3), tune("T1", 1), tune("T2",0)};
     tool.full->beginContours();
     if (reduction_ > 1) reduce(image, Rect(Point(), reduced_.size()));
     const Mat& pixels = reduction_ > 1 ? reduced_ : image;
     ContourSearch search;
+    double surprise = 0;
     for (int pass = 0; pass < 3; pass++)
     {
         tool.contour->sample(camera_, tool.full->view(), outlineRendering_, index + 1, tool.outline);
         search.halfWindow = windows[pass];
         matchContour(pixels, tool.outline, search);
-        tool.full->addContour(camera_, Matx44d::eye(), tool.outline);
+        tool.full->addContour(camera_, Matx44d::eye(), tool.outline, tolerances[pass]);
+        if (pass == 0) surprise = tool.full->surprise(0.5 * CV_PI / 180, 0.001);
         tool.full->solveContours();
     }
     tool.contour->sample(camera_, tool.full->view(), outlineRendering_, index + 1, tool.outline);
@@ -71,6 +75,7 @@ void ToolTrackerImpl::refine(int index, const Mat& image)
     int supported = 0;
     for (size_t i = 0; i < tool.outline.size(); i++) supported += tool.outline[i].found && std::abs(tool.outline[i].offset) < supportedWithin;
     tool.contourSupport = tool.outline.empty() ? 0 : double(supported) / double(tool.outline.size());
+    return surprise;
 }
 
 bool ToolTrackerImpl::startFull(int index, const Mat& image)
@@ -113,9 +118,16 @@ bool ToolTrackerImpl::measureFull(int index, const Mat& image)
     tool.inliers = inliers_;
     tool.visibleParts = int(templates.size());
     tool.contourSupport = 0;
-    int passed = tool.inliers.empty() ? 0 : correctPoints(tool);
-    if (passed >= 5 && tool.full->nis() > 3 && meanSimilarity(tool.inliers) > 0.55)
+    if (tool.settles() && tune("SETTLE", 0))
     {
+        tool.full->reset();
+        tool.full->predict(joints_[index]);
+    }
+    int passed = tool.inliers.empty() ? 0 : correctPoints(tool);
+    const double mean = meanSimilarity(inliers_);
+    if (inliers_.size() >= 5 && mean > 0.55 && (2 * passed < int(inliers_.size()) || tool.full->nis() > tune("NISJ", 0.75)))
+    {
+        if (getenv("VERB")) printf("t %.2f tool %d: passed %d of %d nis %.2f: push\n", time_, index, passed, int(inliers_.size()), tool.full->nis());
         tool.full->undo();
         tool.full->inflate(CV_PI / 180, 0.002);
         tool.boosted = 10;
@@ -131,7 +143,16 @@ bool ToolTrackerImpl::measureFull(int index, const Mat& image)
         if (used_[i]) tool.inliers[kept++] = tool.inliers[i];
     tool.inliers.resize(kept);
     drawOutline(index);
-    refine(index, image);
+    const double surprise = refine(index, image);
+    if (surprise > tune("SURP", 15))
+    {
+        if (getenv("VERB")) printf("t %.2f tool %d: surprise %.1f: push\n", time_, index, surprise);
+        tool.full->undo();
+        tool.full->inflate(0.5*CV_PI / 180, 0.001);
+        tool.boosted = std::max(tool.boosted, 3);
+        correctPoints(tool);
+        refine(index, image);
+    }
     const bool found = tool.state != STATE_LOST
                        || (int(kept) >= params_.minInitialInliers && meanSimilarity(tool.inliers) >= params_.minInitialSimilarity);
     if (!found || !plausible(tool, tool.full->correction()))

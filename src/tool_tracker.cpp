@@ -187,6 +187,7 @@ void ToolTrackerImpl::check(const Mat& image, double time, const std::vector<std
 // Where the kinematics and the last correction say everything is.
 void ToolTrackerImpl::placeTools(const std::vector<std::vector<double> >& joints)
 {
+    joints_ = joints;
     for (size_t i = 0; i < tools_.size(); i++)
     {
         TrackedTool& tool = tools_[i];

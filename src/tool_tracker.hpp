@@ -80,7 +80,8 @@ private:
     bool measureFull(int tool, const Mat& image);
     bool startFull(int tool, const Mat& image);
     int correctPoints(TrackedTool& tool);
-    void refine(int tool, const Mat& image);
+    double refine(int tool, const Mat& image);
+    std::vector<std::vector<double> > joints_;
     void drawOutline(int tool);
     void conclude(TrackedTool& tool, bool seen) const;
     bool plausible(const TrackedTool& tool, const Matx44d& correction) const;

@@ -65,7 +65,10 @@ public:
     //! @name Contours: begin, any number of times { add for each eye, solve }; each solve linearises anew, all take the place of each other. @{
     virtual void beginContours() = 0;
     //! @return how many of the found points passed the gate of three standard deviations
-    virtual int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points) = 0;
+    virtual int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points,
+                           double tolerance = 0) = 0;
+    //! Log likelihood ratio of the contours added: with a push of this size [rad, m] before this frame, and without.
+    virtual double surprise(double rotation, double translation) const = 0;
     virtual void solveContours() = 0;
     //! @}
 

@@ -24,6 +24,7 @@ struct CV_EXPORTS_W_SIMPLE ContourPoint
     CV_PROP bool crease;           //!< an edge inside the tool's image, not its outline
     CV_PROP bool found;            //!< whether the image has an edge near it
     CV_PROP double offset;         //!< where, from imagePoint along the normal [pixel]
+    CV_PROP double deviation;      //!< standard deviation of the offset, as edges of this strength have it [pixel]
     CV_PROP double strength;       //!< of that edge, change of the strongest channel [grey levels a pixel]
 };
 
