@@ -34,11 +34,14 @@ public:
         return arm(tool).camera_T_base * model_->endEffectorPose(trueJoints(tool, time));
     }
     void render(int frame, OutputArray image, bool right) CV_OVERRIDE;
+    void renderArms(int frame, const std::vector<std::vector<double> >& joints, const std::vector<Matx44d>& camera_T_base, OutputArray image,
+                    bool right) CV_OVERRIDE;
     void write(const String& folder) CV_OVERRIDE { writeScene(*this, params_, folder); }
 
 private:
     const SyntheticArm& arm(int tool) const;
     void prepareDrawing();
+    void prepareMaterials(size_t arms);
 
     Ptr<ToolModel> model_;
     Params params_;
@@ -90,21 +93,6 @@ void SyntheticSceneImpl::prepareDrawing()
     renderer_ = MeshRenderer::createSoftware();
     for (size_t i = 0; i < model_->meshes().size(); i++)
         meshes_.push_back(renderer_->addMesh(model_->meshes()[i]));
-    // Plastic up to the shaft, then steel; the last links, the jaws, are brighter.
-    const std::vector<ToolModel::Link>& links = model_->links();
-    CV_Assert(links.size() * arms_.size() <= 255);
-    const ToolMaterial plastic = { Vec3f(0.19f, 0.18f, 0.18f), 0.22f, 16 };
-    const ToolMaterial steel = { Vec3f(0.62f, 0.61f, 0.60f), 0.45f, 32 };
-    const ToolMaterial jaw = { Vec3f(0.74f, 0.75f, 0.76f), 0.50f, 16 };
-    const int wristPitch = arms_[0].coordinates[4], wristYaw = arms_[0].coordinates[5];
-    for (size_t tool = 0; tool < arms_.size(); tool++)
-        for (size_t i = 0; i < links.size(); i++)
-        {
-            int depth = 0;    // wrist joints above the link
-            for (int l = (int)i; l >= 0; l = links[l].parent)
-                depth += links[l].coordinate == wristPitch || links[l].coordinate == wristYaw;
-            materials_.push_back(depth == 0 ? plastic : depth == 1 ? steel : jaw);
-        }
     RNG rng = makeRng(params_.seed, STREAM_TISSUE, 0);
     disparity_ = cvRound(camera_.fx * BASELINE / TISSUE_DEPTH);
     tissue_ = makeTissue(Size(params_.imageSize.width + disparity_, params_.imageSize.height), rng);
@@ -112,19 +100,53 @@ void SyntheticSceneImpl::prepareDrawing()
     sideLight_ = normalize(Vec3f((float)rng.uniform(-0.9, 0.9), (float)rng.uniform(-0.9, -0.4), -0.6f));
 }
 
+void SyntheticSceneImpl::prepareMaterials(size_t arms)
+{
+    // Plastic up to the shaft, then steel; the last links, the jaws, are brighter.
+    const std::vector<ToolModel::Link>& links = model_->links();
+    CV_CheckLE(links.size() * arms, (size_t)255, "links of all arms");
+    const ToolMaterial plastic = { Vec3f(0.19f, 0.18f, 0.18f), 0.22f, 16 };
+    const ToolMaterial steel = { Vec3f(0.62f, 0.61f, 0.60f), 0.45f, 32 };
+    const ToolMaterial jaw = { Vec3f(0.74f, 0.75f, 0.76f), 0.50f, 16 };
+    const int wristPitch = arms_[0].coordinates[4], wristYaw = arms_[0].coordinates[5];
+    while (materials_.size() < links.size() * arms)
+        for (size_t i = 0; i < links.size(); i++)
+        {
+            int depth = 0;    // wrist joints above the link
+            for (int l = (int)i; l >= 0; l = links[l].parent)
+                depth += links[l].coordinate == wristPitch || links[l].coordinate == wristYaw;
+            materials_.push_back(depth == 0 ? plastic : depth == 1 ? steel : jaw);
+        }
+}
+
 void SyntheticSceneImpl::render(int frame, OutputArray image, bool right)
+{
+    std::vector<std::vector<double> > joints;
+    std::vector<Matx44d> bases;
+    for (int tool = 0; tool < toolCount(); tool++)
+    {
+        joints.push_back(trueJoints(tool, frame / params_.fps));
+        bases.push_back(arms_[tool].camera_T_base);
+    }
+    renderArms(frame, joints, bases, image, right);
+}
+
+void SyntheticSceneImpl::renderArms(int frame, const std::vector<std::vector<double> >& joints, const std::vector<Matx44d>& bases,
+                                    OutputArray image, bool right)
 {
     CV_CheckGE(frame, 0, "frame");
     CV_Assert((!right || params_.stereo) && "the scene has no right camera");
+    CV_CheckEQ(joints.size(), bases.size(), "joints and camera_T_base: one per arm");
     if (!renderer_)
         prepareDrawing();
+    prepareMaterials(joints.size());
     const Matx44d eye_T_left = right ? right_T_left() : Matx44d::eye();
     const std::vector<ToolModel::Link>& links = model_->links();
     std::vector<MeshInstance> instances;
-    for (int tool = 0; tool < toolCount(); tool++)
+    for (size_t tool = 0; tool < joints.size(); tool++)
     {
         std::vector<Matx44d> base_T_link;
-        model_->forwardKinematics(trueJoints(tool, frame / params_.fps), base_T_link);
+        model_->forwardKinematics(joints[tool], base_T_link);
         for (size_t i = 0; i < links.size(); i++)
         {
             if (links[i].mesh < 0)
@@ -132,7 +154,7 @@ void SyntheticSceneImpl::render(int frame, OutputArray image, bool right)
             MeshInstance instance;
             instance.mesh = meshes_[links[i].mesh];
             instance.id = 1 + (int)(tool * links.size() + i);
-            instance.camera_T_mesh = eye_T_left * arms_[tool].camera_T_base * base_T_link[i];
+            instance.camera_T_mesh = eye_T_left * bases[tool] * base_T_link[i];
             instances.push_back(instance);
         }
     }

@@ -38,6 +38,44 @@ TEST(SurgTrack_Synthetic, frameDependsOnSeedAndNumberOnly)
     EXPECT_GT(cvtest::norm(first, other, NORM_INF), 50);      // another tissue
 }
 
+TEST(SurgTrack_Synthetic, armsCanBeDrawnElsewhere)
+{
+    SyntheticScene::Params params = smallScene();
+    params.stereo = true;
+    const Ptr<SyntheticScene> scene = makeScene(params);
+    const double time = 3 / params.fps;
+    std::vector<std::vector<double> > joints(1, scene->trueJoints(0, time));
+    std::vector<Matx44d> bases(1, scene->camera_T_base(0));
+    Mat usual, image, without;
+    for (int right = 0; right < 2; right++)
+    {
+        scene->render(3, usual, right != 0);
+        scene->renderArms(3, joints, bases, image, right != 0);
+        EXPECT_EQ(0, cvtest::norm(usual, image, NORM_INF)) << right;
+    }
+    scene->render(3, usual);
+    scene->renderArms(3, std::vector<std::vector<double> >(), std::vector<Matx44d>(), without);
+
+    // A second arm is where its base says: the end effector of the first, 15 mm to the left of it.
+    joints.push_back(joints[0]);
+    bases.push_back(bases[0]);
+    bases[1](0, 3) -= 0.015;
+    scene->renderArms(3, joints, bases, image);
+    const Matx44d tool = scene->truePose(0, time);
+    for (int arm = 0; arm < 2; arm++)
+    {
+        const Point at = scene->camera().project(Point3d(tool(0, 3) - 0.015 * arm, tool(1, 3), tool(2, 3) - 0.002));   // 2 mm back, in the jaws
+        const Rect around(at.x - 4, at.y - 4, 9, 9);
+        EXPECT_GT(cvtest::norm(image(around), without(around), NORM_INF), 50) << arm;       // steel on tissue: far above the noise
+        if (arm == 0) EXPECT_GT(cvtest::norm(usual(around), without(around), NORM_INF), 50);
+        else EXPECT_LT(cvtest::norm(usual(around), without(around), NORM_INF), 40);         // the same noise and tissue, at most in the shadow
+    }
+    EXPECT_THROW(scene->renderArms(-1, joints, bases, image), cv::Exception);
+    bases.pop_back();
+    EXPECT_THROW(scene->renderArms(3, joints, bases, image), cv::Exception);
+    EXPECT_THROW(scene->renderArms(3, std::vector<std::vector<double> >(100, joints[0]), std::vector<Matx44d>(100, bases[0]), image), cv::Exception);
+}
+
 TEST(SurgTrack_Synthetic, recordsAreExactWithoutErrors)
 {
     SyntheticScene::Params params = smallScene();

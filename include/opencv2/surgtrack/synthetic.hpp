@@ -65,6 +65,16 @@ public:
     @param right the right eye of a stereo scene */
     CV_WRAP virtual void render(int frame, OutputArray image, bool right = false) = 0;
 
+    /** @brief Draws a frame with arms that stand or move otherwise: as after a knock against the camera, or with one more arm.
+    @param frame number, 0 <= frame; decides the sensor noise
+    @param joints per arm the true joints, one value per coordinate [rad or m]; any number of arms
+    @param camera_T_base per arm its base (left camera)
+    @param image CV_8UC3, BGR
+    @param right the right eye of a stereo scene
+    @throws cv::Exception for vectors of different lengths, and for more links than a MeshRenderer can tell apart */
+    virtual void renderArms(int frame, const std::vector<std::vector<double> >& joints, const std::vector<Matx44d>& camera_T_base,
+                            OutputArray image, bool right = false) = 0;
+
     /** @brief Writes the scene as a sequence folder: sequence.yaml, video, kinematics.csv (100 Hz), groundtruth.csv,
     keypoints.csv, and the tool file with its meshes.
     @param folder is made if it does not exist
