@@ -22,7 +22,7 @@ const char* const KEYS =
     "{ sequence |       | folder of the sequence; without it a synthetic one is made in ./surgtrack_demo and tracked }"
     "{ poses    |       | CSV file to write the poses to }"
     "{ video    |       | MP4 file to draw the result into: kinematics in red, estimate in green, matched parts as dots }"
-    "{ method   | paper | paper: Ye et al. 2016; epnp: their baseline, EPnP on each frame alone }"
+    "{ method   | full  | full: with joint offsets and outlines; paper: Ye et al. 2016; epnp: their baseline, EPnP on each frame alone }"
     "{ stereo   |       | use the right image too }"
     "{ start    | 0     | first frame }"
     "{ frames   | 0     | number of frames, 0 = to the end of the video }"
@@ -47,9 +47,9 @@ Options readOptions(const CommandLineParser& parser)
     options.renderAhead = parser.has("render-ahead");
     options.quiet = parser.has("quiet");
     const String method = parser.get<String>("method");
-    if (method != "paper" && method != "epnp")
-        fail("argument '--method=" + method + "': the methods available are paper and epnp");
-    options.method = method == "paper" ? METHOD_PAPER : METHOD_EPNP;
+    if (method != "full" && method != "paper" && method != "epnp")
+        fail("argument '--method=" + method + "': the methods available are full, paper and epnp");
+    options.method = method == "full" ? METHOD_FULL : method == "paper" ? METHOD_PAPER : METHOD_EPNP;
     if (parser.has("stereo"))
         fail("argument '--stereo': method " + method + " uses one image, run it without --stereo");
     return options;

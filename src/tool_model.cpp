@@ -114,6 +114,22 @@ int ToolModel::coordinateIndex(const String& name) const
     return at == all.end() ? -1 : int(at - all.begin());
 }
 
+std::vector<double> ToolModel::offsetDeviations() const
+{
+    // The wrist: what turns beyond the joint that slides. Errors of the arm are as good as errors of the hand-eye calibration.
+    const double wrist = 0.03;   // [rad]
+    const std::vector<Link>& links = description_.links;
+    std::vector<double> deviations(description_.coordinates.size(), 0.);
+    std::vector<uchar> slid(links.size(), 0);
+    for (size_t i = 0; i < links.size(); ++i)
+    {
+        slid[i] = links[i].jointType == JOINT_PRISMATIC || (links[i].parent >= 0 && slid[links[i].parent]);
+        if (slid[i] && links[i].jointType == JOINT_REVOLUTE)
+            deviations[links[i].coordinate] = wrist;
+    }
+    return deviations;
+}
+
 void ToolModel::getMesh(int index, OutputArray vertices, OutputArray triangles) const
 {
     CV_CheckGE(index, 0, "index: of a mesh");

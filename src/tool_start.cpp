@@ -85,6 +85,7 @@ bool ToolTrackerImpl::initialize(int index, const Mat& image, int first, int las
             return false;
         }
     }
+    if (tool.full) return startFull(index, image);
     const Matx44d before = tool.correction;
     tool.filter->reset(correction);
     tool.correction = correction;

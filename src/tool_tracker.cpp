@@ -63,8 +63,11 @@ ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params
     GeometricContextVerifier::Params context;
     context.seed = params.seed;
     context.zoneRadius *= pixelScale_;
-    context.centredZones = false;   // both methods are the paper's: fixed cells, the first sample that agrees
-    context.maxScale = context.maxRotation = 0;
+    if (params.method != METHOD_FULL)
+    {
+        context.centredZones = false;   // both methods are the paper's: fixed cells, the first sample that agrees
+        context.maxScale = context.maxRotation = 0;
+    }
     verifier_ = GeometricContextVerifier::create(context);
     context.minInliers = params.minInitialInliers;
     startVerifier_ = GeometricContextVerifier::create(context);
@@ -93,6 +96,20 @@ int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal
     filter.measurementNoise *= pixelScale_;
     filter.minPoints = 4;   // as many as must agree on the geometric context
     tool.filter = ToolPoseEKF::create(camera_, filter);
+    if (params_.method == METHOD_FULL)
+    {
+        ArticulatedPoseEKF::Params full;
+        full.pointNoise *= pixelScale_;
+        full.contourNoise *= pixelScale_;
+        tool.full = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
+        tool.contour = ToolContour::create(model);
+        if (!outlineRenderer_) outlineRenderer_ = MeshRenderer::createSoftware();
+        for (size_t i = 0; i < model->meshes().size(); i++)
+        {
+            const int handle = outlineRenderer_->addMesh(model->meshes()[i]);
+            if (i == 0) outlineMeshes_.push_back(handle);
+        }
+    }
     renderer_->addTool(model);
     ahead_.release();   // its thread knows the old tools only
     // All that a frame may need: update() takes no memory later.
@@ -118,6 +135,9 @@ void ToolTrackerImpl::reset(int tool)
         if (tool >= 0 && i != tool) continue;
         TrackedTool& t = tools_[i];
         t.filter->reset(Matx44d::eye());
+        if (t.full) t.full->reset();
+        t.contourSupport = 0;
+        t.boosted = 0;
         t.correction = t.trusted = Matx44d::eye();
         t.state = STATE_INITIALIZING;
         t.confirmed = 0;
@@ -159,8 +179,17 @@ void ToolTrackerImpl::placeTools(const std::vector<std::vector<double> >& joints
     for (size_t i = 0; i < tools_.size(); i++)
     {
         TrackedTool& tool = tools_[i];
-        tool.model->forwardKinematics(joints[i], views_[i].base_T_link);
-        views_[i].camera_T_base = tool.correction * tool.nominal_T_base;
+        if (tool.full)
+        {
+            tool.full->predict(joints[i], tool.boosted > 0 ? 15 : 1);
+            tool.boosted = std::max(0, tool.boosted - 1);
+            views_[i] = tool.full->view();
+        }
+        else
+        {
+            tool.model->forwardKinematics(joints[i], views_[i].base_T_link);
+            views_[i].camera_T_base = tool.correction * tool.nominal_T_base;
+        }
         const std::vector<ToolModel::Keypoint>& keypoints = tool.model->keypoints();
         tool.nominalPoints.resize(keypoints.size());
         tool.inliers.reserve(keypoints.size());
@@ -207,7 +236,8 @@ void ToolTrackerImpl::locate(int index, const Mat& image, const std::vector<Part
         double hx = halfWindow, hy = halfWindow;
         if (!starting && params_.method != METHOD_EPNP)
         {
-            const Matx22d C = tool.filter->imageCovariance(tool.nominalPoints[t.part]);
+            const Matx22d C = tool.full ? tool.full->imageCovariance(camera_, Matx44d::eye(), t.part)
+                                        : tool.filter->imageCovariance(tool.nominalPoints[t.part]);
             hx = std::min(std::max(hx, 3 * std::sqrt(C(0, 0))), 4 * halfWindow);
             hy = std::min(std::max(hy, 3 * std::sqrt(C(1, 1))), 4 * halfWindow);
         }
@@ -255,6 +285,7 @@ void ToolTrackerImpl::gather(const TrackedTool& tool)
 bool ToolTrackerImpl::measure(int index, const Mat& image, const TemplateSet* ahead)
 {
     TrackedTool& tool = tools_[index];
+    if (tool.full) return measureFull(index, image);
     const bool filtered = params_.method == METHOD_PAPER;
     if (filtered) tool.filter->predict();
     const std::vector<PartTemplate>& templates = ahead && tool.usesDrawnAhead() ? ahead->templates[index] : draw(index);
@@ -312,6 +343,7 @@ void ToolTrackerImpl::conclude(TrackedTool& tool, bool seen) const
             tool.confirmed = 0;
             tool.correction = tool.trusted;
             tool.filter->reset(tool.correction);
+            if (tool.full) tool.full->reset();
         }
         tool.inliers.clear();
         tool.nis = 0;
@@ -325,12 +357,18 @@ void ToolTrackerImpl::report(const TrackedTool& tool, const ToolView& view, Tool
     e.state = tool.state;
     e.camera_T_nominal = tool.correction;
     e.camera_T_tool = tool.correction * nominal_T_tool;
+    e.jointOffsets.assign(tool.coordinates, 0.);
+    e.contourSupport = tool.contourSupport;
+    if (tool.full)
+    {
+        e.covariance = tool.full->poseCovariance();
+        std::copy(tool.full->offsets().begin(), tool.full->offsets().end(), e.jointOffsets.begin());
+    }
     if (params_.method == METHOD_PAPER)
         e.covariance = tool.filter->poseCovariance(Point3d(nominal_T_tool(0, 3), nominal_T_tool(1, 3), nominal_T_tool(2, 3)));
     e.visibleParts = tool.visibleParts;
     e.inliers = int(tool.inliers.size());
     e.similarity = tool.similarity;
-    e.jointOffsets.assign(tool.coordinates, 0.);
     e.nis = tool.nis;
     e.matches.reserve(tool.inliers.capacity());
     e.matches = tool.inliers;
@@ -363,7 +401,8 @@ void ToolTrackerImpl::update(InputArray _image, double time, const std::vector<s
             if (!seen && tool.state == STATE_LOST) seen = search(i, image);
             conclude(tool, seen);
             // Others are drawn, and hidden, where this tool was found.
-            views_[i].camera_T_base = tool.correction * tool.nominal_T_base;
+            if (tool.full) views_[i] = tool.full->view();
+            else views_[i].camera_T_base = tool.correction * tool.nominal_T_base;
         }
     }
     estimates.resize(tools_.size());

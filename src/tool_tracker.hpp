@@ -28,6 +28,13 @@ struct TrackedTool
     int visibleParts;
     std::vector<PartMatch> inliers;
 
+    // METHOD_FULL
+    Ptr<ArticulatedPoseEKF> full;
+    Ptr<ToolContour> contour;
+    std::vector<ContourPoint> outline;
+    double contourSupport;
+    int boosted;                     // frames for which the process noise stays raised
+
     bool starts() const { return state == STATE_INITIALIZING && confirmed == 0; }
     /* So many first frames are each taken in from the hand-eye calibration alone. Their points lean towards where the templates
        were drawn: a filter that believed them together would keep the error of the first pose, most of it depth, for minutes. */
@@ -70,6 +77,11 @@ private:
     bool startFromHandEye(int tool, const Mat& image);
     bool correctFromHandEye(TrackedTool& tool);
     bool measure(int tool, const Mat& image, const TemplateSet* ahead);
+    bool measureFull(int tool, const Mat& image);
+    bool startFull(int tool, const Mat& image);
+    int correctPoints(TrackedTool& tool);
+    void refine(int tool, const Mat& image);
+    void drawOutline(int tool);
     void conclude(TrackedTool& tool, bool seen) const;
     bool plausible(const TrackedTool& tool, const Matx44d& correction) const;
     void gather(const TrackedTool& tool);
@@ -95,6 +107,13 @@ private:
     std::vector<Rect> windows_;
     std::vector<PartMatch> matches_;
     std::vector<PartMatch> inliers_;
+
+    // METHOD_FULL
+    Ptr<MeshRenderer> outlineRenderer_;
+    std::vector<int> outlineMeshes_;   // first mesh of each tool
+    std::vector<MeshInstance> outlineInstances_;
+    Rendering outlineRendering_;
+    std::vector<int> parts_;
 
     // of one correction
     std::vector<Point3d> nominalPoints_;

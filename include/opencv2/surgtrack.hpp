@@ -37,6 +37,8 @@ and `camera_T_nominal`, the correction, is what is sought.
 #include "opencv2/surgtrack/qgo_matcher.hpp"
 #include "opencv2/surgtrack/geometric_context.hpp"
 #include "opencv2/surgtrack/tool_pose_ekf.hpp"
+#include "opencv2/surgtrack/contour.hpp"
+#include "opencv2/surgtrack/articulated_pose_ekf.hpp"
 #include "opencv2/surgtrack/tool_tracker.hpp"
 #include "opencv2/surgtrack/sequence.hpp"
 #include "opencv2/surgtrack/time_offset.hpp"

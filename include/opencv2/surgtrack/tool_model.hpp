@@ -106,6 +106,12 @@ public:
     //! Index of the coordinate, or -1.
     CV_WRAP int coordinateIndex(const String& name) const;
 
+    int endEffectorLink() const { return description_.endEffectorLink; }
+
+    /** @brief How wrong joint readings may be: prior standard deviation of a constant offset, one per coordinate [rad or m]; 0 = exact,
+    or not to be told from an error of the hand-eye calibration. */
+    CV_WRAP std::vector<double> offsetDeviations() const;
+
     /** @param index mesh index
     @param vertices V x 3 CV_32F [m], in the frame of its link
     @param triangles T x 3 CV_32S */

@@ -9,6 +9,7 @@
 #include "opencv2/surgtrack/qgo_matcher.hpp"
 #include "opencv2/surgtrack/geometric_context.hpp"
 #include "opencv2/surgtrack/tool_pose_ekf.hpp"
+#include "opencv2/surgtrack/articulated_pose_ekf.hpp"
 
 namespace cv { namespace surgtrack {
 

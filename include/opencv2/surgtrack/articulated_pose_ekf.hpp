@@ -1,0 +1,88 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_ARTICULATED_POSE_EKF_HPP
+#define OPENCV_SURGTRACK_ARTICULATED_POSE_EKF_HPP
+
+#include "opencv2/surgtrack/contour.hpp"
+
+namespace cv { namespace surgtrack {
+
+//! @addtogroup surgtrack
+//! @{
+
+/** @brief The filter of METHOD_FULL: the error of the hand-eye calibration and those of the joint readings.
+
+State: the correction camera_T_nominal and an offset for each coordinate with ToolModel::offsetDeviations() > 0. Its error is
+(omega, v, d), omega and v a small motion of the tool about its own centre c in the camera frame,
+`camera_T_nominal <- Trans(c + v) Exp(omega) Trans(-c) camera_T_nominal`, d that of the offsets; so rotation and translation are
+nearly independent, and P is moved to the new centre as the tool moves. Process: constant, with noise Q. Measurements: points of
+parts and edges on contour normals, of one camera or several, all at once. */
+class CV_EXPORTS_W ArticulatedPoseEKF
+{
+public:
+    struct CV_EXPORTS_W_SIMPLE Params
+    {
+        CV_WRAP Params();
+        CV_PROP_RW double initialRotation;      //!< standard deviation of the hand-eye calibration [rad]
+        CV_PROP_RW double initialTranslation;   //!< the same, at the tool [m]
+        CV_PROP_RW double processRotation;      //!< process noise, standard deviation a frame [rad]
+        CV_PROP_RW double processTranslation;   //!< the same [m]
+        CV_PROP_RW double processJoint;         //!< the same, of joint offsets, as a share of their first deviation
+        CV_PROP_RW double pointNoise;           //!< standard deviation of a part's image point [pixel]
+        CV_PROP_RW double gate;                 //!< points with a larger squared Mahalanobis distance are left out; 13.8 = 99.9 % of chi-square with 2 dof
+        CV_PROP_RW int minPoints;               //!< with fewer points inside the gate nothing is updated
+        CV_PROP_RW double contourNoise;         //!< standard deviation of an edge along its normal [pixel]
+        CV_PROP_RW double contourCorrelation;   //!< so many neighbouring contour points tell as much as one
+    };
+
+    static Ptr<ArticulatedPoseEKF> create(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params = Params());
+    virtual ~ArticulatedPoseEKF() {}
+
+    //! Back to the hand-eye calibration and the readings themselves, with the initial covariance.
+    virtual void reset() = 0;
+
+    //! One frame passes. @param joints readings, one per coordinate [rad or m] @param growth factor on the deviations of Q
+    virtual void predict(const std::vector<double>& joints, double growth = 1) = 0;
+
+    //! P grows by these standard deviations [rad, m], as after a push of the camera.
+    virtual void inflate(double rotation, double translation) = 0;
+
+    //! Takes back everything since the last predict().
+    virtual void undo() = 0;
+
+    /** @brief Takes in points of parts.
+    @param camera that saw them
+    @param eye_T_camera the camera frame of the state in that of this camera; unit if it is the same
+    @param parts keypoint indices
+    @param imagePoints where they were found [pixel]
+    @param used 1 where the point passed the gate
+    @return how many passed; with fewer than Params::minPoints nothing changes */
+    virtual int correctPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
+                              const std::vector<Point2d>& imagePoints, std::vector<uchar>& used) = 0;
+
+    //! @name Contours: begin, any number of times { add for each eye, solve }; each solve linearises anew, all take the place of each other. @{
+    virtual void beginContours() = 0;
+    //! @return how many of the found points passed the gate of three standard deviations
+    virtual int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points) = 0;
+    virtual void solveContours() = 0;
+    //! @}
+
+    virtual const ToolView& view() const = 0;               //!< the tool as it is believed to be
+    virtual Matx44d correction() const = 0;                 //!< camera_T_nominal
+    virtual const std::vector<double>& offsets() const = 0; //!< one per coordinate, to be added to the reading [rad or m]
+    virtual Mat covariance() const = 0;                     //!< CV_64F, of (omega, v, d)
+    virtual double nis() const = 0;                         //!< of the last correctPoints(), per degree of freedom
+    virtual double contourNis() const = 0;                  //!< of the last contour correction, per degree of freedom
+    //! Covariance of where a keypoint will be seen [pixel^2], without measurement noise.
+    virtual Matx22d imageCovariance(const CameraModel& camera, const Matx44d& eye_T_camera, int part) const = 0;
+    //! Of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame.
+    virtual Matx66d poseCovariance() const = 0;
+};
+
+//! @}
+
+}} // namespace cv::surgtrack
+
+#endif

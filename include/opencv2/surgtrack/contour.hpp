@@ -1,0 +1,78 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_CONTOUR_HPP
+#define OPENCV_SURGTRACK_CONTOUR_HPP
+
+#include "opencv2/surgtrack/part_templates.hpp"
+
+namespace cv { namespace surgtrack {
+
+//! @addtogroup surgtrack
+//! @{
+
+/** @brief A point of a tool's outline or of a crease, and where the image has an edge on its normal. */
+struct CV_EXPORTS_W_SIMPLE ContourPoint
+{
+    CV_WRAP ContourPoint();
+
+    CV_PROP int link;              //!< index of the link it lies on
+    CV_PROP Point3d linkPoint;     //!< in the link's frame [m]
+    CV_PROP Point2d imagePoint;    //!< where it is expected [pixel]
+    CV_PROP Point2d normal;        //!< unit vector in the image, out of the tool
+    CV_PROP bool crease;           //!< an edge inside the tool's image, not its outline
+    CV_PROP bool found;            //!< whether the image has an edge near it
+    CV_PROP double offset;         //!< where, from imagePoint along the normal [pixel]
+    CV_PROP double strength;       //!< of that edge, change of the strongest channel [grey levels a pixel]
+};
+
+/** @brief The outline of a tool: from its meshes' edges, exact to a fraction of a pixel, where a drawing shows that they are seen.
+
+An edge between a triangle that faces the camera and one that does not is part of the outline if the drawing has the tool on one
+side of it and neither this nor another tool on the other. Sharp edges between triangles that both face the camera are creases. */
+class CV_EXPORTS ToolContour
+{
+public:
+    struct CV_EXPORTS_W_SIMPLE Params
+    {
+        CV_WRAP Params();
+        CV_PROP_RW double spacing;      //!< distance of the points [pixel]; default 3: nearer ones say the same
+        CV_PROP_RW int maxPoints;       //!< if there would be more, the spacing grows; default 400
+        CV_PROP_RW double creaseAngle;  //!< edges sharper than this are creases [rad]; 0 = no creases
+    };
+
+    static Ptr<ToolContour> create(const Ptr<ToolModel>& model, const Params& params = Params());
+    virtual ~ToolContour() {}
+
+    /** @param camera of the drawing
+    @param view of this tool
+    @param rendering a drawing of all tools from (nearly) this view; points outside its window are left out
+    @param id of this tool's meshes in the drawing
+    @param points result */
+    virtual void sample(const CameraModel& camera, const ToolView& view, const Rendering& rendering, int id,
+                        std::vector<ContourPoint>& points) = 0;
+};
+
+/** @brief Where edges are sought, and which are believed. */
+struct CV_EXPORTS_W_SIMPLE ContourSearch
+{
+    CV_WRAP ContourSearch();
+    CV_PROP_RW double halfWindow;    //!< on both sides of the expected place [pixel]
+    CV_PROP_RW double minStrength;   //!< weaker edges are none [grey levels a pixel]
+    CV_PROP_RW double ambiguity;     //!< a point with a second edge more than this share as likely as the first is left out
+};
+
+/** @brief Looks for an edge on the normal of each point, to a fraction of a pixel: the maximum of the image's gradient along the
+normal, over all channels, nearer ones preferred.
+@param image CV_8UC1 or CV_8UC3
+@param points their found, offset and strength are set
+@param search where to look
+@return how many were found */
+CV_EXPORTS int matchContour(InputArray image, std::vector<ContourPoint>& points, const ContourSearch& search);
+
+//! @}
+
+}} // namespace cv::surgtrack
+
+#endif

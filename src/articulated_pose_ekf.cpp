@@ -1,0 +1,412 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include <Eigen/Dense>
+
+// x      error of the state: (omega [rad], v [m], d [rad or m])
+// P, Q   covariance of the error, of the process noise
+// h, r   a measurement's row dh / dx, and its innovation
+// A, b   information of all measurements: sum of h h^T / sigma^2, sum of h r / sigma^2
+
+namespace cv { namespace surgtrack {
+
+ArticulatedPoseEKF::Params::Params()
+    : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.02 * CV_PI / 180), processTranslation(0.00006),
+      processJoint(0.007), pointNoise(3), gate(13.8), minPoints(4), contourNoise(1), contourCorrelation(3)
+{
+}
+
+namespace {
+
+const int maxOffsets = 10, maxStates = 6 + maxOffsets;
+// Bounded: no memory is taken. Not aligned: members of objects on the heap, where C++11 promises 16 bytes only.
+typedef Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign, maxStates, 1> Vector;
+typedef Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::DontAlign, maxStates, maxStates> Matrix;
+
+const double nearest = 1e-3;   // [m]; points nearer than this are not seen
+
+Matx33d exponential(const Vec3d& omega)
+{
+    const double angle = norm(omega);
+    const Matx33d W(0, -omega[2], omega[1], omega[2], 0, -omega[0], -omega[1], omega[0], 0);
+    const double s = angle > 1e-9 ? std::sin(angle) / angle : 1, c = angle > 1e-9 ? (1 - std::cos(angle)) / (angle * angle) : 0.5;
+    return Matx33d::eye() + W * s + W * W * c;
+}
+
+struct State
+{
+    Matx44d correction;
+    std::vector<double> offsets;
+    Matrix P;
+    Point3d centre;       // what omega turns about, in the camera frame
+    bool placed;          // whether the centre is that of a frame; before, P is about wherever the tool will be
+    double nis, contourNis;
+};
+
+class ArticulatedPoseEKFImpl CV_FINAL : public ArticulatedPoseEKF
+{
+public:
+    ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params);
+
+    void reset() CV_OVERRIDE;
+    void predict(const std::vector<double>& joints, double growth) CV_OVERRIDE;
+    void inflate(double rotation, double translation) CV_OVERRIDE;
+    void undo() CV_OVERRIDE;
+    int correctPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
+                      const std::vector<Point2d>& imagePoints, std::vector<uchar>& used) CV_OVERRIDE;
+    void beginContours() CV_OVERRIDE;
+    int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points) CV_OVERRIDE;
+    void solveContours() CV_OVERRIDE;
+    const ToolView& view() const CV_OVERRIDE { return view_; }
+    Matx44d correction() const CV_OVERRIDE { return state_.correction; }
+    const std::vector<double>& offsets() const CV_OVERRIDE { return state_.offsets; }
+    Mat covariance() const CV_OVERRIDE;
+    double nis() const CV_OVERRIDE { return state_.nis; }
+    double contourNis() const CV_OVERRIDE { return state_.contourNis; }
+    Matx22d imageCovariance(const CameraModel& camera, const Matx44d& eye_T_camera, int part) const CV_OVERRIDE;
+    Matx66d poseCovariance() const CV_OVERRIDE;
+
+private:
+    struct Axis
+    {
+        int state;           // index of the offset in x
+        Point3d direction, origin;   // in the camera frame; direction times the joint's scale
+        bool revolute;
+    };
+
+    void place();
+    void clearInformation();
+    bool row(const CameraModel& camera, const Matx44d& eye_T_camera, int link, const Point3d& linkPoint, Point2d& imagePoint,
+             Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, maxStates>& H) const;
+    void motion(int link, const Point3d& p, Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, maxStates>& D) const;
+    bool solve(const Matrix& P, Vector& x, Matrix& posterior) const;
+    void apply(const Vector& x);
+
+    Ptr<ToolModel> model_;
+    Matx44d nominal_T_base_;
+    Params params_;
+    std::vector<int> stateOf_;        // of a coordinate: index in x, or -1
+    std::vector<double> deviations_;  // of a coordinate
+    std::vector<uchar> isJaw_;        // of a coordinate
+    int n_;                           // of the state
+    std::vector<double> joints_;      // readings of this frame
+    std::vector<double> corrected_;
+    ToolView view_;
+    std::vector<std::vector<Axis> > axes_;   // of a link: the joints that move it
+    State state_, predicted_;
+
+    Matrix A_;
+    Vector b_;
+    double square_;                   // sum of r^2 / sigma^2
+    int rows_;
+    // of one series of contour corrections
+    Matrix contourP_;
+    Vector contourX_;
+};
+
+ArticulatedPoseEKFImpl::ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params)
+    : model_(model), nominal_T_base_(nominal_T_base), params_(params)
+{
+    CV_Assert(model);
+    deviations_ = model->offsetDeviations();
+    const std::vector<ToolModel::Link>& links = model->links();
+    n_ = 6;
+    for (size_t i = 0; i < deviations_.size(); i++)
+    {
+        stateOf_.push_back(deviations_[i] > 0 && n_ < maxStates ? n_++ : -1);
+        // Two links that one coordinate moves against each other are jaws, closed at 0.
+        bool positive = false, negative = false;
+        for (size_t l = 0; l < links.size(); l++)
+            if (links[l].coordinate == int(i)) (links[l].scale > 0 ? positive : negative) = true;
+        isJaw_.push_back(positive && negative);
+    }
+    joints_.assign(deviations_.size(), 0.);
+    axes_.resize(links.size());
+    reset();
+}
+
+void ArticulatedPoseEKFImpl::reset()
+{
+    state_.correction = Matx44d::eye();
+    state_.offsets.assign(deviations_.size(), 0.);
+    state_.P = Matrix::Zero(n_, n_);
+    for (int i = 0; i < 3; i++)
+    {
+        state_.P(i, i) = params_.initialRotation * params_.initialRotation;
+        state_.P(3 + i, 3 + i) = params_.initialTranslation * params_.initialTranslation;
+    }
+    for (size_t i = 0; i < stateOf_.size(); i++)
+        if (stateOf_[i] >= 0) state_.P(stateOf_[i], stateOf_[i]) = deviations_[i] * deviations_[i];
+    state_.nis = state_.contourNis = 0;
+    state_.placed = false;
+    place();
+    predicted_ = state_;
+}
+
+// Poses of the links and axes of the joints, from readings and state. The centre stays.
+void ArticulatedPoseEKFImpl::place()
+{
+    corrected_.resize(joints_.size());
+    for (size_t i = 0; i < joints_.size(); i++)
+    {
+        corrected_[i] = joints_[i] + state_.offsets[i];
+        if (isJaw_[i]) corrected_[i] = std::max(corrected_[i], std::min(joints_[i], 0.));
+    }
+    model_->forwardKinematics(corrected_, view_.base_T_link);
+    view_.camera_T_base = state_.correction * nominal_T_base_;
+    const std::vector<ToolModel::Link>& links = model_->links();
+    for (size_t l = 0; l < links.size(); l++)
+    {
+        axes_[l].clear();
+        for (int i = int(l); i >= 0; i = links[i].parent)
+        {
+            if (links[i].coordinate < 0 || stateOf_[links[i].coordinate] < 0) continue;
+            const Matx44d T = view_.camera_T_base * view_.base_T_link[i];
+            Axis a;
+            a.state = stateOf_[links[i].coordinate];
+            a.direction = Point3d(T(0, 2), T(1, 2), T(2, 2)) * links[i].scale;
+            a.origin = Point3d(T(0, 3), T(1, 3), T(2, 3));
+            a.revolute = links[i].jointType == ToolModel::JOINT_REVOLUTE;
+            axes_[l].push_back(a);
+        }
+    }
+}
+
+void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double growth)
+{
+    joints_ = joints;
+    place();
+    const std::vector<ToolModel::Keypoint>& keypoints = model_->keypoints();
+    Point3d centre;
+    for (size_t i = 0; i < keypoints.size(); i++)
+        centre += transform(view_.camera_T_base * view_.base_T_link[keypoints[i].link], keypoints[i].linkPoint) * (1. / keypoints.size());
+    const Point3d d = centre - state_.centre;
+    state_.centre = centre;
+    // v at the new centre = v + omega x d
+    Matrix T = Matrix::Identity(n_, n_);
+    T(3, 1) = d.z; T(3, 2) = -d.y; T(4, 0) = -d.z; T(4, 2) = d.x; T(5, 0) = d.y; T(5, 1) = -d.x;
+    if (state_.placed) state_.P = (T * state_.P * T.transpose()).eval();
+    state_.placed = true;
+    for (int i = 0; i < 3; i++)
+    {
+        state_.P(i, i) += growth * growth * params_.processRotation * params_.processRotation;
+        state_.P(3 + i, 3 + i) += growth * growth * params_.processTranslation * params_.processTranslation;
+    }
+    for (size_t i = 0; i < stateOf_.size(); i++)
+        if (stateOf_[i] >= 0) state_.P(stateOf_[i], stateOf_[i]) += std::pow(params_.processJoint * deviations_[i], 2);
+    predicted_ = state_;
+}
+
+void ArticulatedPoseEKFImpl::inflate(double rotation, double translation)
+{
+    for (int i = 0; i < 3; i++)
+    {
+        state_.P(i, i) += rotation * rotation;
+        state_.P(3 + i, 3 + i) += translation * translation;
+    }
+}
+
+void ArticulatedPoseEKFImpl::undo()
+{
+    state_ = predicted_;
+    place();
+}
+
+// dp / dx of a point of a link, in the camera frame
+void ArticulatedPoseEKFImpl::motion(int link, const Point3d& p, Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, maxStates>& D) const
+{
+    D.setZero(3, n_);
+    const Point3d a = p - state_.centre;
+    D(0, 1) = a.z; D(0, 2) = -a.y; D(1, 0) = -a.z; D(1, 2) = a.x; D(2, 0) = a.y; D(2, 1) = -a.x;
+    D(0, 3) = D(1, 4) = D(2, 5) = 1;
+    const std::vector<Axis>& axes = axes_[link];
+    for (size_t i = 0; i < axes.size(); i++)
+    {
+        const Point3d u = axes[i].revolute ? axes[i].direction.cross(p - axes[i].origin) : axes[i].direction;
+        D(0, axes[i].state) += u.x;
+        D(1, axes[i].state) += u.y;
+        D(2, axes[i].state) += u.z;
+    }
+}
+
+bool ArticulatedPoseEKFImpl::row(const CameraModel& camera, const Matx44d& eye_T_camera, int link, const Point3d& linkPoint, Point2d& imagePoint,
+                                 Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, maxStates>& H) const
+{
+    const Point3d p = transform(view_.camera_T_base * view_.base_T_link[link], linkPoint), q = transform(eye_T_camera, p);
+    if (q.z < nearest) return false;
+    Matx23d J;
+    imagePoint = camera.project(q, &J);
+    const Matx23d JR = J * eye_T_camera.get_minor<3, 3>(0, 0);
+    Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, maxStates> D;
+    motion(link, p, D);
+    H = Eigen::Map<const Eigen::Matrix<double, 2, 3, Eigen::RowMajor> >(JR.val) * D;
+    return true;
+}
+
+void ArticulatedPoseEKFImpl::clearInformation()
+{
+    A_.setZero(n_, n_);
+    b_.setZero(n_);
+    square_ = 0;
+    rows_ = 0;
+}
+
+// x = (P^-1 + A)^-1 b with P = L L^T: L (I + L^T A L)^-1 L^T b; the posterior is symmetric and positive by its form.
+bool ArticulatedPoseEKFImpl::solve(const Matrix& P, Vector& x, Matrix& posterior) const
+{
+    const Eigen::LLT<Matrix> root(P);
+    if (root.info() != Eigen::Success) return false;
+    const Matrix L = root.matrixL();
+    const Matrix M = Matrix::Identity(n_, n_) + L.transpose() * A_ * L;
+    const Eigen::LLT<Matrix> cholesky(M);
+    if (cholesky.info() != Eigen::Success) return false;
+    const Matrix W = cholesky.matrixL().solve(Matrix(L.transpose()));
+    posterior = W.transpose() * W;
+    x = posterior * b_;
+    return x.allFinite();
+}
+
+void ArticulatedPoseEKFImpl::apply(const Vector& x)
+{
+    const Matx33d R = exponential(Vec3d(x[0], x[1], x[2]));
+    const Point3d c = state_.centre, t = c + Point3d(x[3], x[4], x[5]) - R * c;
+    const Matx44d motion(R(0, 0), R(0, 1), R(0, 2), t.x, R(1, 0), R(1, 1), R(1, 2), t.y, R(2, 0), R(2, 1), R(2, 2), t.z, 0, 0, 0, 1);
+    state_.correction = nearestRigid(motion * state_.correction);
+    for (size_t i = 0; i < stateOf_.size(); i++)
+        if (stateOf_[i] >= 0)
+        {
+            state_.offsets[i] += x[stateOf_[i]];
+            if (isJaw_[i]) state_.offsets[i] = std::max(state_.offsets[i], std::min(0., -joints_[i]));
+        }
+    place();
+}
+
+int ArticulatedPoseEKFImpl::correctPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
+                                          const std::vector<Point2d>& imagePoints, std::vector<uchar>& used)
+{
+    CV_CheckEQ(parts.size(), imagePoints.size(), "one image point per part");
+    clearInformation();
+    used.assign(parts.size(), 0);
+    const double R = params_.pointNoise * params_.pointNoise;
+    int passed = 0;
+    for (size_t i = 0; i < parts.size(); i++)
+    {
+        const ToolModel::Keypoint& keypoint = model_->keypoints()[parts[i]];
+        Point2d h;
+        Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, maxStates> H;
+        if (!row(camera, eye_T_camera, keypoint.link, keypoint.linkPoint, h, H)) continue;
+        const Eigen::Vector2d r(imagePoints[i].x - h.x, imagePoints[i].y - h.y);
+        const Eigen::Matrix2d S = H * state_.P * H.transpose() + R * Eigen::Matrix2d::Identity();
+        if (params_.gate > 0 && r.dot(S.llt().solve(r)) > params_.gate) continue;
+        used[i] = 1;
+        passed++;
+        A_ += H.transpose() * H / R;
+        b_ += H.transpose() * r / R;
+        square_ += r.squaredNorm() / R;
+        rows_ += 2;
+    }
+    if (passed < std::max(1, params_.minPoints)) return passed;
+    Vector x;
+    Matrix posterior;
+    if (!solve(state_.P, x, posterior)) return 0;
+    state_.nis = (square_ - b_.dot(x)) / rows_;
+    state_.P = posterior;
+    apply(x);
+    return passed;
+}
+
+void ArticulatedPoseEKFImpl::beginContours()
+{
+    contourP_ = state_.P;
+    contourX_ = Vector::Zero(n_);
+    clearInformation();
+}
+
+int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points)
+{
+    const double sigma2 = params_.contourNoise * params_.contourNoise, variance = sigma2 * params_.contourCorrelation;
+    int passed = 0;
+    for (size_t i = 0; i < points.size(); i++)
+    {
+        const ContourPoint& c = points[i];
+        if (!c.found) continue;
+        Point2d h;
+        Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, maxStates> H;
+        if (!row(camera, eye_T_camera, c.link, c.linkPoint, h, H)) continue;
+        const Vector g = (c.normal.x * H.row(0) + c.normal.y * H.row(1)).transpose();
+        const Point2d d = c.imagePoint + c.normal * c.offset - h;
+        const double r = c.normal.dot(d);
+        if (r * r > 9 * (sigma2 + g.dot(contourP_ * g))) continue;
+        const double w = 1 / std::pow(1 + r * r / (4 * sigma2), 2) / variance;
+        const double z = r + g.dot(contourX_);
+        A_.noalias() += w * g * g.transpose();
+        b_.noalias() += w * z * g;
+        square_ += w * z * z;
+        rows_++;
+        passed++;
+    }
+    return passed;
+}
+
+void ArticulatedPoseEKFImpl::solveContours()
+{
+    Vector x;
+    Matrix posterior;
+    if (rows_ > 0 && solve(contourP_, x, posterior))
+    {
+        state_.contourNis = (square_ - b_.dot(x)) / rows_;
+        state_.P = posterior;
+        apply(x - contourX_);
+        contourX_ = x;
+    }
+    clearInformation();
+}
+
+Mat ArticulatedPoseEKFImpl::covariance() const
+{
+    Mat_<double> result(n_, n_);
+    for (int r = 0; r < n_; r++)
+        for (int c = 0; c < n_; c++) result(r, c) = state_.P(r, c);
+    return std::move(result);
+}
+
+Matx22d ArticulatedPoseEKFImpl::imageCovariance(const CameraModel& camera, const Matx44d& eye_T_camera, int part) const
+{
+    const ToolModel::Keypoint& keypoint = model_->keypoints()[part];
+    Point2d h;
+    Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, maxStates> H;
+    if (!row(camera, eye_T_camera, keypoint.link, keypoint.linkPoint, h, H)) return Matx22d::zeros();
+    const Eigen::Matrix2d C = H * state_.P * H.transpose();
+    return Matx22d(C(0, 0), C(0, 1), C(1, 0), C(1, 1));
+}
+
+Matx66d ArticulatedPoseEKFImpl::poseCovariance() const
+{
+    const Matx44d camera_T_tool = view_.camera_T_base * model_->endEffectorFromLinks(view_.base_T_link);
+    Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, maxStates> J;
+    J.setZero(6, n_);
+    J.topLeftCorner<3, 3>().setIdentity();
+    const int link = model_->endEffectorLink();
+    for (size_t i = 0; i < axes_[link].size(); i++)
+    {
+        const Axis& a = axes_[link][i];
+        if (a.revolute) J.block<3, 1>(0, a.state) += Eigen::Vector3d(a.direction.x, a.direction.y, a.direction.z);
+    }
+    Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, maxStates> D;
+    motion(link, Point3d(camera_T_tool(0, 3), camera_T_tool(1, 3), camera_T_tool(2, 3)), D);
+    J.bottomRows<3>() = D;
+    Matx66d result;
+    Eigen::Map<Eigen::Matrix<double, 6, 6> >(result.val) = J * state_.P * J.transpose();
+    return result;
+}
+
+} // namespace
+
+Ptr<ArticulatedPoseEKF> ArticulatedPoseEKF::create(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params)
+{
+    return makePtr<ArticulatedPoseEKFImpl>(model, nominal_T_base, params);
+}
+
+}} // namespace cv::surgtrack

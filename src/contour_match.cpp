@@ -1,0 +1,89 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+
+namespace cv { namespace surgtrack {
+
+ContourSearch::ContourSearch() : halfWindow(8), minStrength(6), ambiguity(0.8) {}
+
+namespace {
+
+const int maxHalf = 24;   // [pixel]
+
+// The image along a normal, a sample a pixel, bilinear.
+template <int channels> void readProfile(const Mat& image, const Point2d& from, const Point2d& step, int n, float* profile)
+{
+    for (int i = 0; i < n; i++)
+    {
+        const float x = float(from.x + i * step.x), y = float(from.y + i * step.y);
+        const int ix = int(x), iy = int(y);
+        const float u = x - ix, v = y - iy;
+        const uchar *p = image.ptr(iy) + channels * ix, *q = p + image.step;
+        for (int c = 0; c < channels; c++)
+            profile[c * n + i] = (1 - v) * ((1 - u) * p[c] + u * p[c + channels]) + v * ((1 - u) * q[c] + u * q[c + channels]);
+    }
+}
+
+// The vertex of the parabola through three values at -1, 0, 1, of which the middle one is the largest.
+inline float vertex(float l, float m, float r)
+{
+    const float d = l - 2 * m + r;
+    return d < 0 ? 0.5f * (l - r) / d : 0.f;
+}
+
+} // namespace
+
+int matchContour(InputArray _image, std::vector<ContourPoint>& points, const ContourSearch& search)
+{
+    const Mat image = _image.getMat();
+    checkImage(image);
+    CV_Check(search.halfWindow, search.halfWindow >= 1 && search.halfWindow <= maxHalf, "ContourSearch::halfWindow must be in 1..24");
+    const int half = cvRound(search.halfWindow), reach = half + 3, n = 2 * reach + 1, channels = image.channels();
+    float profile[3 * (2 * maxHalf + 7)], energy[2 * maxHalf + 7], prior[2 * maxHalf + 7];
+    for (int i = 0; i < n; i++) prior[i] = std::exp(-0.5f * float((i - reach) * (i - reach)) / (0.25f * half * half));
+    int found = 0;
+    for (size_t i = 0; i < points.size(); i++)
+    {
+        ContourPoint& c = points[i];
+        c.found = false;
+        const Point2d a = c.imagePoint - c.normal * reach, b = c.imagePoint + c.normal * reach;
+        if (!(std::min(a.x, b.x) >= 0 && std::min(a.y, b.y) >= 0 && std::max(a.x, b.x) < image.cols - 1 && std::max(a.y, b.y) < image.rows - 1)) continue;
+        if (channels == 3) readProfile<3>(image, a, c.normal, n, profile);
+        else readProfile<1>(image, a, c.normal, n, profile);
+        std::fill(energy, energy + n, 0.f);
+        for (int k = 0; k < channels; k++)
+        {
+            const float* p = profile + k * n;
+            for (int j = 2; j < n - 2; j++)
+            {
+                const float g = ((p[j + 1] - p[j - 1]) * 2 + (p[j + 2] - p[j - 2])) * 0.125f;
+                energy[j] += g * g;
+            }
+        }
+        int best = -1;
+        float bestScore = 0, second = 0;
+        const float least = float(search.minStrength * search.minStrength);
+        for (int j = 3; j < n - 3; j++)
+        {
+            if (energy[j] < least || energy[j] < energy[j - 1] || energy[j] <= energy[j + 1]) continue;
+            const float score = std::sqrt(energy[j]) * prior[j];
+            if (score > bestScore)
+            {
+                second = bestScore;
+                bestScore = score;
+                best = j;
+            }
+            else second = std::max(second, score);
+        }
+        if (best < 0 || second > search.ambiguity * bestScore) continue;
+        c.found = true;
+        c.offset = best - reach + vertex(energy[best - 1], energy[best], energy[best + 1]);
+        c.strength = std::sqrt(energy[best]);
+        found++;
+    }
+    return found;
+}
+
+}} // namespace cv::surgtrack
