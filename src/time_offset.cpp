@@ -2,10 +2,8 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
-#include "time_offset_fit.hpp"
-#include <map>
+#include "time_offset.hpp"
 #include <set>
-#include "opencv2/videoio.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -18,78 +16,14 @@ TimeOffset::TimeOffset() : offset(0), deviation(0), confidence(0), support(0), f
 
 namespace {
 
-const double searchShift = 0.014;             // half-width of the first search windows [m on the tool]
 const double refineWindow = 24;               // half-width of the windows once the correction is about known [pixel at 720 px width]
 const int coarseFeatures = 100;               // of the templates of the first search
-const double chanceSimilarity = 0.4;          // tissue has it anywhere
-const double blockTime = 2;                   // of one hand-eye correction [s]
-const int maxBlocks = 8, maxCandidates = 3;
 const double agreement = 8;                   // a part this near to where the fit has it supports the offset [pixel at 720 px width]
 const int minAgreeing = 4;                    // parts of a tool that is said to be found
-const int luckyFrames = 4;                    // that many without any support are added to a mean, so that a short overlap is not believed too easily
-const int minFrames = 6;                      // fewer tell nothing
 const double minSupport = 0.6;                // three parts at a similarity of 0.6 [see TimeOffset::support]
 const double jointDeviation = 0.03, slideDeviation = 0.001;   // constant errors of joint readings [rad], [m]
 
-// What was found of a tool in a frame with the readings of a certain time.
-struct Detection
-{
-    int tool, cell;          // offset = expected + cell * step
-    size_t frame;            // index of the frame kept
-    double score;
-    std::vector<PartMatch> inliers;
-};
-
-struct Candidate
-{
-    int cell;
-    double coarse, offset, deviation, support;
-    int frames;
-    bool settled;            // not at the end of the reach of its refinement
-};
-
-class TimeOffsetEstimator
-{
-public:
-    TimeOffsetEstimator(const Sequence& sequence, const TimeOffsetParams& params);
-    bool run(TimeOffset& result);
-
-private:
-    void readFrames();
-    bool drawn(int cell, std::vector<std::vector<PartTemplate> >& templates);
-    void searchAll();
-    double coarseScore(int cell) const;
-    std::vector<int> peaks() const;
-    double overlapOf(int cell) const { return frameCounts_[cell + reach_] * stride_ / sequence_.fps(); }
-    bool refine(Candidate& candidate, bool thorough);
-    bool measureAgain(const TimeOffsetFit& fit, PartTemplateRenderer& renderer, std::vector<OffsetMeasurement>& measurements);
-    void support(const TimeOffsetFit& fit, const std::vector<OffsetMeasurement>& measurements, Candidate& candidate) const;
-    bool choose(Candidate& best, double& second);
-    void locate(const std::vector<PartTemplate>& templates, double halfWidth, double shift, std::vector<PartMatch>& inliers);
-    int blockOf(size_t frame) const { return int(frame * blocks_ / frames_.size()); }
-
-    const Sequence& sequence_;
-    TimeOffsetParams params_;
-    int reduction_;
-    CameraModel camera_;
-    double pixelScale_;
-    std::vector<OffsetTool> tools_;
-    Ptr<PartTemplateRenderer> coarseRenderer_, renderer_;
-    Ptr<QGOMatcher> matcher_;
-    Ptr<GeometricContextVerifier> verifier_;
-
-    double step_;                    // of cells [s]
-    int cellsAFrame_, stride_;       // cells between frames of the video, frames of the video between those kept
-    int reach_;                      // cells to either side of the expected offset
-    std::vector<Mat> frames_;
-    std::vector<double> times_;
-    int blocks_;
-    std::map<int, std::vector<std::vector<PartTemplate> > > templates_;   // by cell of their readings' time
-    std::vector<Detection> detections_;
-    std::vector<double> sums_;       // of scores, a cell of the offset
-    std::vector<int> counts_;        // of frames and tools with readings, likewise
-    std::vector<int> frameCounts_;
-};
+} // namespace
 
 TimeOffsetEstimator::TimeOffsetEstimator(const Sequence& sequence, const TimeOffsetParams& params)
     : sequence_(sequence), params_(params), reduction_(std::max(1, sequence.leftCamera().imageSize().width / referenceWidth)),
@@ -124,164 +58,13 @@ TimeOffsetEstimator::TimeOffsetEstimator(const Sequence& sequence, const TimeOff
     // Times of frames are whole numbers of cells, so that a drawing serves many frames.
     const double interval = 1 / sequence.fps();
     const int framesACell = std::max(1, cvRound(params.step / interval));
-    cellsAFrame_ = framesACell > 1 ? 1 : std::max(1, cvCeil(interval / params.step - 1e-6));
+    const int cellsAFrame = framesACell > 1 ? 1 : std::max(1, cvCeil(interval / params.step - 1e-6));
     stride_ = framesACell;
-    step_ = interval * framesACell / cellsAFrame_;
+    step_ = interval * framesACell / cellsAFrame;
     reach_ = cvCeil(params.range / step_ - 1e-6);
     sums_.assign(2 * reach_ + 1, 0.);
     counts_.assign(2 * reach_ + 1, 0);
     frameCounts_ = counts_;
-}
-
-// Keeps frames spread evenly over the part of the video that may have readings.
-void TimeOffsetEstimator::readFrames()
-{
-    const String filename = sequence_.leftVideo();
-    VideoCapture video(filename);
-    if (!video.isOpened()) CV_Error(Error::StsObjectNotFound, format("%s: can't be read as a video", filename.c_str()));
-    int total = int(video.get(CAP_PROP_FRAME_COUNT));
-    if (total <= 0)   // not known to every container
-    {
-        for (total = 0; video.grab();) total++;
-        video.open(filename);
-    }
-    double first = DBL_MAX, last = -DBL_MAX;
-    for (size_t i = 0; i < tools_.size(); i++)
-    {
-        first = std::min(first, sequence_.firstTime(int(i)));
-        last = std::max(last, sequence_.lastTime(int(i)));
-    }
-    const double span = (reach_ + 1) * step_, fps = sequence_.fps();
-    const int begin = int(std::min(double(total), std::max(0., (first - params_.expected - span) * fps)));
-    const int end = int(std::max(0., std::min(double(total), (last - params_.expected + span) * fps + 1)));
-    const int cell = stride_;
-    stride_ = cell * std::max(1, (end - begin + cell * params_.frames - 1) / (cell * params_.frames));
-    const Size size = sequence_.leftCamera().imageSize();
-    Mat image;
-    for (int frame = 0; frame < end && video.grab(); frame++)
-    {
-        if (frame < begin || frame % stride_ != 0) continue;
-        if (!video.retrieve(image)) break;
-        if (image.size() != size)
-            CV_Error(Error::StsUnmatchedSizes, format("%s: frame %d has %dx%d pixels, expected %dx%d as in sequence.yaml", filename.c_str(),
-                                                      frame, image.cols, image.rows, size.width, size.height));
-        Mat kept;
-        if (reduction_ > 1) resize(image, kept, camera_.imageSize(), 0, 0, INTER_AREA);
-        else kept = image.clone();
-        frames_.push_back(kept);
-        times_.push_back(frame / fps);
-    }
-    if (!frames_.empty())
-        blocks_ = std::min(maxBlocks, std::max(1, cvRound((times_.back() - times_.front()) / blockTime)));
-}
-
-// The templates of all tools as the readings of a time say they look: times of the readings are expected + cell * step.
-// Returns false without readings.
-bool TimeOffsetEstimator::drawn(int cell, std::vector<std::vector<PartTemplate> >& templates)
-{
-    templates.resize(tools_.size());
-    std::vector<ToolView> views(tools_.size());
-    for (size_t i = 0; i < tools_.size(); i++)
-    {
-        std::vector<double> joints;
-        if (!sequence_.jointsAt(int(i), params_.expected + cell * step_, joints, tools_[i].coordinates)) return false;
-        tools_[i].model->forwardKinematics(joints, views[i].base_T_link);
-        views[i].camera_T_base = tools_[i].nominal_T_base;
-    }
-    for (size_t i = 0; i < tools_.size(); i++) coarseRenderer_->render(camera_, views, int(i), templates[i]);
-    return true;
-}
-
-// Matches and verifies in the image set. Windows: halfWidth [pixel] or, if that is 0, a shift on the tool [m].
-void TimeOffsetEstimator::locate(const std::vector<PartTemplate>& templates, double halfWidth, double shift, std::vector<PartMatch>& inliers)
-{
-    const Rect all(Point(), camera_.imageSize());
-    std::vector<Rect> windows;
-    std::vector<PartTemplate> wanted;
-    for (size_t i = 0; i < templates.size(); i++)
-    {
-        const PartTemplate& t = templates[i];
-        const int h = cvRound(halfWidth > 0 ? halfWidth : shift * std::max(camera_.fx, camera_.fy) / std::max(t.viewPoint.z, 0.02));
-        const Rect window = Rect(t.anchor.x - h, t.anchor.y - h, 2 * h + 1, 2 * h + 1) & all;
-        if (window.empty()) continue;
-        windows.push_back(window);
-        wanted.push_back(t);
-    }
-    inliers.clear();
-    if (wanted.empty()) return;
-    std::vector<PartMatch> matches;
-    matcher_->match(wanted, windows, matches);
-    verifier_->verify(matches, inliers);
-}
-
-double scoreOf(const std::vector<PartMatch>& inliers)
-{
-    double score = 0;
-    for (size_t i = 0; i < inliers.size(); i++) score += std::max(0., inliers[i].similarity - chanceSimilarity);
-    return score;
-}
-
-// Every frame with the readings of every time within the range.
-void TimeOffsetEstimator::searchAll()
-{
-    for (size_t f = 0; f < frames_.size(); f++)
-    {
-        const int at = cvRound(times_[f] / step_);
-        matcher_->setImage(frames_[f]);
-        templates_.erase(templates_.begin(), templates_.lower_bound(at - reach_));
-        for (int cell = -reach_; cell <= reach_; cell++)
-        {
-            std::map<int, std::vector<std::vector<PartTemplate> > >::iterator it = templates_.find(at + cell);
-            if (it == templates_.end())
-            {
-                it = templates_.insert(std::make_pair(at + cell, std::vector<std::vector<PartTemplate> >())).first;
-                if (!drawn(at + cell, it->second)) it->second.clear();
-            }
-            if (it->second.empty()) continue;
-            frameCounts_[cell + reach_]++;
-            for (size_t i = 0; i < tools_.size(); i++)
-            {
-                Detection d;
-                locate(it->second[i], 0, searchShift, d.inliers);
-                counts_[cell + reach_]++;
-                if (d.inliers.empty()) continue;
-                d.tool = int(i);
-                d.cell = cell;
-                d.frame = f;
-                d.score = scoreOf(d.inliers);
-                sums_[cell + reach_] += d.score;
-                detections_.push_back(d);
-            }
-        }
-    }
-}
-
-// Mean score, less what a few lucky frames are worth; 0 if too little overlaps.
-double TimeOffsetEstimator::coarseScore(int cell) const
-{
-    if (std::abs(cell) > reach_) return 0;
-    if (frameCounts_[cell + reach_] < minFrames || overlapOf(cell) < params_.minOverlap) return 0;
-    return sums_[cell + reach_] / (counts_[cell + reach_] + luckyFrames);
-}
-
-// The best maxima of the coarse scores.
-std::vector<int> TimeOffsetEstimator::peaks() const
-{
-    std::vector<std::pair<double, int> > sorted;
-    for (int cell = -reach_; cell <= reach_; cell++)
-    {
-        const double score = coarseScore(cell);
-        if (score > 0 && score >= coarseScore(cell - 1) && score >= coarseScore(cell + 1)) sorted.push_back(std::make_pair(-score, cell));
-    }
-    std::sort(sorted.begin(), sorted.end());
-    std::vector<int> result;
-    for (size_t i = 0; i < sorted.size() && int(result.size()) < maxCandidates; i++)
-    {
-        bool apart = true;
-        for (size_t k = 0; k < result.size(); k++) apart = apart && std::abs(result[k] - sorted[i].second) > 2;
-        if (apart) result.push_back(sorted[i].second);
-    }
-    return result;
 }
 
 // Draws the tools as the fit has them and finds them anew.
@@ -312,19 +95,19 @@ bool TimeOffsetEstimator::measureAgain(const TimeOffsetFit& fit, PartTemplateRen
 
 /* From the detections near a coarse offset to the refined one.
    thorough: with the full templates, until it settles; else as far as it takes to see how well it is supported. */
-bool TimeOffsetEstimator::refine(Candidate& candidate, bool thorough)
+bool TimeOffsetEstimator::refine(OffsetCandidate& candidate, bool thorough)
 {
     // Of neighbouring readings those whose drawing was found best.
-    std::map<std::pair<size_t, int>, const Detection*> best;
+    std::map<std::pair<size_t, int>, const OffsetDetection*> best;
     for (size_t i = 0; i < detections_.size(); i++)
     {
-        const Detection& d = detections_[i];
+        const OffsetDetection& d = detections_[i];
         if (std::abs(d.cell - candidate.cell) > 1) continue;
-        const Detection*& b = best[std::make_pair(d.frame, d.tool)];
+        const OffsetDetection*& b = best[std::make_pair(d.frame, d.tool)];
         if (!b || d.score > b->score) b = &d;
     }
     std::vector<OffsetMeasurement> measurements;
-    for (std::map<std::pair<size_t, int>, const Detection*>::const_iterator it = best.begin(); it != best.end(); ++it)
+    for (std::map<std::pair<size_t, int>, const OffsetDetection*>::const_iterator it = best.begin(); it != best.end(); ++it)
     {
         OffsetMeasurement m;
         m.tool = it->second->tool;
@@ -349,7 +132,7 @@ bool TimeOffsetEstimator::refine(Candidate& candidate, bool thorough)
     return true;
 }
 
-void TimeOffsetEstimator::support(const TimeOffsetFit& fit, const std::vector<OffsetMeasurement>& measurements, Candidate& candidate) const
+void TimeOffsetEstimator::support(const TimeOffsetFit& fit, const std::vector<OffsetMeasurement>& measurements, OffsetCandidate& candidate) const
 {
     std::set<double> seen;   // times
     candidate.support = 0;
@@ -373,14 +156,14 @@ void TimeOffsetEstimator::support(const TimeOffsetFit& fit, const std::vector<Of
 
 /* The best offset, and the next best that does not settle to the same one.
    A candidate with less than half the coarse score is not worth refining. */
-bool TimeOffsetEstimator::choose(Candidate& best, double& second)
+bool TimeOffsetEstimator::choose(OffsetCandidate& best, double& second)
 {
-    std::vector<Candidate> candidates;
+    std::vector<OffsetCandidate> candidates;
     const std::vector<int> cells = peaks();
     second = 0;
     for (size_t i = 0; i < cells.size(); i++)
     {
-        Candidate candidate;
+        OffsetCandidate candidate;
         candidate.cell = cells[i];
         candidate.coarse = coarseScore(cells[i]);
         if ((i == 0 || candidate.coarse > 0.5 * coarseScore(cells[0])) && refine(candidate, false)) candidates.push_back(candidate);
@@ -410,7 +193,7 @@ bool TimeOffsetEstimator::run(TimeOffset& result)
         result.reason = format("no offset of the range gives readings to more than %.2f s of the video, expected at least %.2f s", overlap, params_.minOverlap);
         return false;
     }
-    Candidate best;
+    OffsetCandidate best;
     if (!choose(best, second))
     {
         result.reason = "the tools are nowhere where any offset of the range has them";
@@ -421,9 +204,9 @@ bool TimeOffsetEstimator::run(TimeOffset& result)
     result.confidence = std::max(0., 1 - second);
     result.support = best.support;
     result.frames = best.frames;
-    if (best.frames < minFrames || best.support < minSupport)
+    if (best.frames < minOffsetFrames || best.support < minSupport)
         result.reason = format("the tools were found in %d frames, with a support of %.2f; expected at least %d and %.2f", best.frames, best.support,
-                               minFrames, minSupport);
+                               minOffsetFrames, minSupport);
     else if (!(best.deviation <= params_.maxDeviation))
         result.reason = format("the tools move too little: the offset is known to %.3f s, expected %.3f s or better", best.deviation, params_.maxDeviation);
     else if (result.confidence < params_.minConfidence)
@@ -433,13 +216,15 @@ bool TimeOffsetEstimator::run(TimeOffset& result)
     return result.reason.empty();
 }
 
+namespace {
+
 void check(const TimeOffsetParams& p)
 {
     CV_Check(p.expected, std::abs(p.expected) < DBL_MAX, "TimeOffsetParams::expected must be finite");
     CV_Check(p.range, p.range >= 0 && p.range < DBL_MAX, "TimeOffsetParams::range must not be negative");
     CV_Check(p.step, p.step > 0 && p.step < DBL_MAX, "TimeOffsetParams::step must be positive");
     CV_Check(p.range / p.step, p.range / p.step <= 10000, "TimeOffsetParams::range must be at most 10000 steps");
-    CV_CheckGE(p.frames, minFrames, "TimeOffsetParams::frames: fewer tell nothing");
+    CV_CheckGE(p.frames, minOffsetFrames, "TimeOffsetParams::frames: fewer tell nothing");
     CV_Check(p.minOverlap, p.minOverlap >= 0 && p.minOverlap < DBL_MAX, "TimeOffsetParams::minOverlap must not be negative");
     CV_Check(p.minConfidence, p.minConfidence >= 0 && p.minConfidence <= 1, "TimeOffsetParams::minConfidence must be in 0..1");
     CV_Check(p.maxDeviation, p.maxDeviation > 0 && p.maxDeviation < DBL_MAX, "TimeOffsetParams::maxDeviation must be positive");

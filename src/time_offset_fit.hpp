@@ -55,8 +55,13 @@ public:
 private:
     struct Correction { Matx33d R; Vec3d t; };    // viewPoint = R * (nominalPoint - pivot) + pivot + t
 
+    struct Normals;                               // the normal equations
     bool keypoints(int tool, double time, Mat& basePoints, Mat* jacobian) const;
     bool motion(int tool, double time, Mat& basePoints, Mat& jacobian, Mat& velocities) const;
+    void addMeasurement(const OffsetMeasurement& m, double limit2, Normals& normals) const;
+    void addPriors(double reach, Normals& normals) const;
+    void addTie(int tool, int block, Normals& normals) const;
+    void apply(const double* dx, double reach);
     int correctionColumn(int tool, int block) const { return correctionColumns_[tool] + 6 * block; }
 
     const Sequence& sequence_;
