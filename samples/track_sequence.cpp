@@ -38,6 +38,15 @@ struct Options
     bool findTimeOffset, renderAhead, quiet;
 };
 
+void readTimeOffset(const String& text, Options& options)
+{
+    char* end = 0;
+    options.findTimeOffset = text == "auto";
+    options.timeOffset = options.findTimeOffset ? 0 : std::strtod(text.c_str(), &end);
+    if (!options.findTimeOffset && (end == text.c_str() || *end || !(std::abs(options.timeOffset) <= 1e12)))
+        fail("argument '--time-offset=" + text + "': expected a number of seconds or auto");
+}
+
 Options readOptions(const CommandLineParser& parser)
 {
     Options options;
@@ -46,8 +55,7 @@ Options readOptions(const CommandLineParser& parser)
     options.video = parser.get<String>("video");
     options.start = common::integer(parser, "start", 0);
     options.frames = common::integer(parser, "frames", 0);
-    options.findTimeOffset = parser.get<String>("time-offset") == "auto";
-    options.timeOffset = options.findTimeOffset ? 0 : common::number(parser, "time-offset", -1e12, 1e12);
+    readTimeOffset(parser.get<String>("time-offset"), options);
     options.renderAhead = parser.has("render-ahead");
     options.quiet = parser.has("quiet");
     const String method = parser.get<String>("method");
@@ -322,8 +330,10 @@ void printSummary(const Run& run)
         std::printf("  time offset %.4f s, %d frames without joint readings\n", run.timeOffset, run.skipped);
     std::printf("time a frame [ms]   median      95 %%\n");
     const std::vector<StageTime> times = run.tracker->getTimings();
+    std::vector<std::vector<double> > timings = run.timings;
+    timings.resize(times.size());   // none if every frame was skipped
     for (size_t i = 0; i < times.size(); i++)
-        std::printf("  %-14s %9.2f %9.2f\n", times[i].name.c_str(), 1e3 * percentile(run.timings[i], 0.5), 1e3 * percentile(run.timings[i], 0.95));
+        std::printf("  %-14s %9.2f %9.2f\n", times[i].name.c_str(), 1e3 * percentile(timings[i], 0.5), 1e3 * percentile(timings[i], 0.95));
     const double total = times.back().mean * times.back().calls;
     std::printf("tracker %.1f Hz, whole run %.1f frames/s\n", total > 0 ? (run.frames - run.skipped) / total : 0, run.seconds > 0 ? run.frames / run.seconds : 0);
     std::fflush(stdout);
