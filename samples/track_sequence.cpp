@@ -26,6 +26,7 @@ const char* const KEYS =
     "{ stereo   |       | use the right image too }"
     "{ start    | 0     | first frame }"
     "{ frames   | 0     | number of frames, 0 = to the end of the video }"
+    "{ time-offset | 0  | the joints that belong to the image of time t were recorded at t + SECONDS; auto: found from the sequence }"
     "{ render-ahead |   | draw the templates of the next frame in a second thread: faster, the poses differ a little }"
     "{ quiet    |       | no progress }";
 
@@ -33,8 +34,18 @@ struct Options
 {
     String sequence, poses, video;
     int method, start, frames;
-    bool renderAhead, quiet;
+    double timeOffset;    // [s]
+    bool findTimeOffset, renderAhead, quiet;
 };
+
+void readTimeOffset(const String& text, Options& options)
+{
+    char* end = 0;
+    options.findTimeOffset = text == "auto";
+    options.timeOffset = options.findTimeOffset ? 0 : std::strtod(text.c_str(), &end);
+    if (!options.findTimeOffset && (end == text.c_str() || *end || !(std::abs(options.timeOffset) <= 1e12)))
+        fail("argument '--time-offset=" + text + "': expected a number of seconds or auto");
+}
 
 Options readOptions(const CommandLineParser& parser)
 {
@@ -44,6 +55,7 @@ Options readOptions(const CommandLineParser& parser)
     options.video = parser.get<String>("video");
     options.start = common::integer(parser, "start", 0);
     options.frames = common::integer(parser, "frames", 0);
+    readTimeOffset(parser.get<String>("time-offset"), options);
     options.renderAhead = parser.has("render-ahead");
     options.quiet = parser.has("quiet");
     const String method = parser.get<String>("method");
@@ -102,8 +114,8 @@ struct Run
     Ptr<ToolTracker> tracker;
     Ptr<PoseScorer> scorer;
     std::vector<std::vector<double> > timings;    // a stage, a frame [s]
-    int frames;
-    double seconds;
+    int frames, skipped;    // skipped: of the frames, those without joint readings
+    double seconds, timeOffset;
 };
 
 void drawResult(Mat& image, const Run& run, const std::vector<std::vector<double> >& joints, const std::vector<ToolEstimate>& estimates)
@@ -140,20 +152,24 @@ std::vector<double> row(const ToolEstimate& estimate)
     return std::vector<double>(values, values + 4);
 }
 
+//! Time of the joint readings that belong to a frame.
+double readingTime(const Run& run, int frame) { return frame / run.sequence->fps() + run.timeOffset; }
+
 //! The joint readings of all tools at a frame. Returns the first tool whose records do not reach it, or -1.
 int readJoints(const Run& run, int frame, std::vector<std::vector<double> >& joints)
 {
     joints.resize(run.tools.size());
     for (int i = 0; i < (int)run.tools.size(); i++)
-        if (!run.sequence->jointsAt(i, frame / run.sequence->fps(), joints[i], run.tools[i].model->coordinateNames()))
+        if (!run.sequence->jointsAt(i, readingTime(run, frame), joints[i], run.tools[i].model->coordinateNames()))
             return i;
     return -1;
 }
 
 void prepare(const Options& options, Run& run)
 {
-    run.frames = 0;
+    run.frames = run.skipped = 0;
     run.seconds = 0;
+    run.timeOffset = options.timeOffset;
     String folder = options.sequence;
     if (folder.empty())
     {
@@ -184,15 +200,49 @@ void prepare(const Options& options, Run& run)
         run.scorer = PoseScorer::create(run.sequence->leftCamera(), run.sequence->toolCount());
 }
 
-void trackFrame(Run& run, int frame, const Mat& image, const std::vector<std::vector<double> >& joints, PoseWriter* writer,
-                std::vector<ToolEstimate>& estimates)
+void findTimeOffset(const Options& options, Run& run)
 {
-    const double time = frame / run.sequence->fps();
-    run.tracker->update(image, time, joints, estimates);
+    if (!options.quiet)
+        std::fprintf(stderr, "looking for the time offset\n");
+    TimeOffset found;
+    if (!estimateTimeOffset(run.sequence, found))
+        fail("argument '--time-offset=auto': the time offset can't be told: " + found.reason + "; give it in seconds");
+    run.timeOffset = found.offset;
+    if (!options.quiet)
+        std::fprintf(stderr, "time offset %.4f s +- %.4f s, confidence %.2f\n", found.offset, found.deviation, found.confidence);
+}
+
+//! A frame without joint readings, at an end of the records: the poses at the nearest reading, not to be relied on.
+void skipFrame(Run& run, int frame, std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates)
+{
+    const bool before = run.frames == run.skipped;    // none is tracked yet
+    estimates.resize(run.tools.size());
+    for (int i = 0; i < (int)run.tools.size(); i++)
+    {
+        const Tool& tool = run.tools[i];
+        const double time = std::min(std::max(readingTime(run, frame), run.sequence->firstTime(i)), run.sequence->lastTime(i));
+        run.sequence->jointsAt(i, time, joints[i], tool.model->coordinateNames());
+        const Matx44d camera_T_nominal = estimates[i].camera_T_nominal;
+        estimates[i] = ToolEstimate();
+        estimates[i].state = before ? STATE_INITIALIZING : STATE_LOST;
+        estimates[i].camera_T_nominal = camera_T_nominal;
+        estimates[i].camera_T_tool = camera_T_nominal * tool.info.nominal_T_base * tool.model->endEffectorPose(joints[i]);
+    }
+    run.skipped++;
+}
+
+void trackFrame(Run& run, int frame, const Mat& image, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates)
+{
+    run.tracker->update(image, frame / run.sequence->fps(), joints, estimates);
     const std::vector<StageTime> times = run.tracker->getTimings();
     run.timings.resize(times.size());
     for (size_t i = 0; i < times.size(); i++)
         run.timings[i].push_back(times[i].last);
+}
+
+void record(Run& run, int frame, const std::vector<ToolEstimate>& estimates, PoseWriter* writer)
+{
+    const double time = frame / run.sequence->fps();
     for (int i = 0; i < (int)run.tools.size(); i++)
     {
         run.tools[i].tracked += estimates[i].state == STATE_TRACKING;
@@ -231,13 +281,19 @@ void track(const Options& options, Run& run)
             break;
         }
         const int missing = readJoints(run, frame, joints);
-        if (missing >= 0)
+        if (missing >= 0 && run.timeOffset == 0)
             fail(format("%s: no joint readings of tool '%s' at %.3f s (frame %d), expected the time of every frame; they cover %.3f to %.3f s",
                         run.sequence->kinematicsFile().c_str(), run.tools[missing].info.name.c_str(), frame / run.sequence->fps(), frame,
                         run.sequence->firstTime(missing), run.sequence->lastTime(missing)));
-        if (options.renderAhead && readJoints(run, frame + 1, nextJoints) < 0)
-            run.tracker->renderAhead(nextJoints);
-        trackFrame(run, frame, image, joints, writer.get(), estimates);
+        if (missing >= 0)
+            skipFrame(run, frame, joints, estimates);
+        else
+        {
+            if (options.renderAhead && readJoints(run, frame + 1, nextJoints) < 0)
+                run.tracker->renderAhead(nextJoints);
+            trackFrame(run, frame, image, joints, estimates);
+        }
+        record(run, frame, estimates, writer.get());
         if (overlay)
         {
             drawResult(image, run, joints, estimates);
@@ -250,6 +306,10 @@ void track(const Options& options, Run& run)
         overlay->finish();
     if (run.frames == 0)
         fail(run.sequence->leftVideo() + ": has no frames");
+    if (run.skipped == run.frames)
+        fail(format("%s: no joint readings at the time of any frame with a time offset of %g s; those of tool '%s' cover %.3f to %.3f s",
+                    run.sequence->kinematicsFile().c_str(), run.timeOffset, run.tools[0].info.name.c_str(), run.sequence->firstTime(0),
+                    run.sequence->lastTime(0)));
 }
 
 double percentile(std::vector<double> values, double share)
@@ -266,12 +326,16 @@ void printSummary(const Run& run)
     std::printf("%s: %d frames of %dx%d\n", run.sequence->name().c_str(), run.frames, size.width, size.height);
     for (size_t i = 0; i < run.tools.size(); i++)
         std::printf("  %-8s tracked in %.1f %% of the frames\n", run.tools[i].info.name.c_str(), 100. * run.tools[i].tracked / run.frames);
+    if (run.timeOffset != 0)
+        std::printf("  time offset %.4f s, %d frames without joint readings\n", run.timeOffset, run.skipped);
     std::printf("time a frame [ms]   median      95 %%\n");
     const std::vector<StageTime> times = run.tracker->getTimings();
+    std::vector<std::vector<double> > timings = run.timings;
+    timings.resize(times.size());   // none if every frame was skipped
     for (size_t i = 0; i < times.size(); i++)
-        std::printf("  %-14s %9.2f %9.2f\n", times[i].name.c_str(), 1e3 * percentile(run.timings[i], 0.5), 1e3 * percentile(run.timings[i], 0.95));
+        std::printf("  %-14s %9.2f %9.2f\n", times[i].name.c_str(), 1e3 * percentile(timings[i], 0.5), 1e3 * percentile(timings[i], 0.95));
     const double total = times.back().mean * times.back().calls;
-    std::printf("tracker %.1f Hz, whole run %.1f frames/s\n", total > 0 ? run.frames / total : 0, run.seconds > 0 ? run.frames / run.seconds : 0);
+    std::printf("tracker %.1f Hz, whole run %.1f frames/s\n", total > 0 ? (run.frames - run.skipped) / total : 0, run.seconds > 0 ? run.frames / run.seconds : 0);
     std::fflush(stdout);
     if (!run.scorer)
         return;
@@ -295,9 +359,9 @@ int main(int argc, char** argv)
     common::silenceLibraries();
     try
     {
-        const char* const options[] = { "sequence", "poses", "video", "method", "start", "frames" };
+        const char* const options[] = { "sequence", "poses", "video", "method", "start", "frames", "time-offset" };
         const char* const flags[] = { "help", "stereo", "render-ahead", "quiet" };
-        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 6), std::vector<std::string>(flags, flags + 4));
+        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 7), std::vector<std::string>(flags, flags + 4));
         CommandLineParser parser(argc, argv, KEYS);
         parser.about("Tracks the tools of a recorded sequence by their CAD models and joint readings.");
         if (parser.has("help"))
@@ -308,6 +372,8 @@ int main(int argc, char** argv)
         Run run;
         const Options o = readOptions(parser);
         prepare(o, run);
+        if (o.findTimeOffset)
+            findTimeOffset(o, run);
         try
         {
             track(o, run);

@@ -34,6 +34,18 @@ def count(text):
     return int(text)
 
 
+def time_offset(text):
+    if text == 'auto':
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        value = float('nan')
+    if not abs(value) <= 1e12:
+        raise argparse.ArgumentTypeError("'%s': expected a number of seconds or auto" % text)
+    return value
+
+
 def parse_arguments():
     parser = ArgumentParser(description=__doc__, allow_abbrev=False)
     parser.add_argument('--sequence', help='folder of the sequence; without it a synthetic one is made in ./surgtrack_demo and tracked')
@@ -43,6 +55,8 @@ def parse_arguments():
     parser.add_argument('--stereo', action='store_true', help='use the right image too')
     parser.add_argument('--start', type=count, default=0, help='first frame')
     parser.add_argument('--frames', type=count, default=0, help='number of frames, 0 = to the end of the video')
+    parser.add_argument('--time-offset', type=time_offset, default=0., metavar='SECONDS',
+                        help='the joints that belong to the image of time t were recorded at t + SECONDS; auto: found from the sequence')
     parser.add_argument('--render-ahead', action='store_true',
                         help='draw the templates of the next frame in a second thread: faster, the poses differ a little')
     parser.add_argument('--quiet', action='store_true', help='no progress')
@@ -137,6 +151,14 @@ class Tool:
         self.info, self.model, self.tracked = info, model, 0
 
 
+class Skipped:
+    """What ToolEstimate holds, for a frame without joint readings."""
+
+    def __init__(self, state, camera_T_nominal, camera_T_tool):
+        self.state, self.camera_T_nominal, self.camera_T_tool = state, camera_T_nominal, camera_T_tool
+        self.visibleParts, self.inliers, self.similarity, self.nis, self.matches = 0, 0, 0., 0., []
+
+
 class Run:
     def __init__(self, args):
         folder = args.sequence
@@ -157,28 +179,63 @@ class Run:
             self.tracker.addTool(models[info.model], info.nominal_T_base)
             self.tools.append(Tool(info, models[info.model]))
         self.scorer = st.PoseScorer.create(self.sequence.leftCamera(), len(self.tools)) if self.sequence.hasGroundTruth() else None
-        self.timings, self.frames, self.seconds = [], 0, 0.
+        self.timings, self.frames, self.skipped, self.seconds = [], 0, 0, 0.   # skipped: of the frames, those without joint readings
+        self.time_offset = self.find_time_offset(args.quiet) if args.time_offset is None else args.time_offset
+
+    def find_time_offset(self, quiet):
+        if not quiet:
+            sys.stderr.write('looking for the time offset\n')
+        known, found = st.estimateTimeOffset(self.sequence)
+        if not known:
+            raise Failure("argument '--time-offset=auto': the time offset can't be told: %s; give it in seconds" % found.reason)
+        if not quiet:
+            sys.stderr.write('time offset %.4f s +- %.4f s, confidence %.2f\n' % (found.offset, found.deviation, found.confidence))
+        return found.offset
+
+    def reading_time(self, frame):
+        """Time of the joint readings that belong to a frame."""
+        return frame / self.sequence.fps() + self.time_offset
 
     def render_ahead(self, frame):
         """Unless the records end before that frame."""
-        readings = [self.sequence.jointsAt(i, frame / self.sequence.fps(), tool.model.coordinateNames()) for i, tool in enumerate(self.tools)]
+        readings = [self.sequence.jointsAt(i, self.reading_time(frame), tool.model.coordinateNames()) for i, tool in enumerate(self.tools)]
         if all(found for found, _ in readings):
             self.tracker.renderAhead([joints for _, joints in readings])
 
     def joints(self, frame):
-        result, seconds = [], frame / self.sequence.fps()
+        """None if there are none, which is an error without a time offset."""
+        result, seconds = [], self.reading_time(frame)
         for i, tool in enumerate(self.tools):
             found, joints = self.sequence.jointsAt(i, seconds, tool.model.coordinateNames())
+            if not found and self.time_offset != 0:
+                return None
             if not found:
                 raise Failure("%s: no joint readings of tool '%s' at %.3f s (frame %d), expected the time of every frame; they cover %.3f to %.3f s"
                               % (self.sequence.kinematicsFile(), tool.info.name, seconds, frame, self.sequence.firstTime(i), self.sequence.lastTime(i)))
             result.append(joints)
         return result
 
-    def update(self, frame, image, joints, writer):
-        seconds = frame / self.sequence.fps()
-        estimates = self.tracker.update(image, seconds, joints)
+    def update(self, frame, image, joints):
+        estimates = self.tracker.update(image, frame / self.sequence.fps(), joints)
         self.timings.append([stage.last for stage in self.tracker.getTimings()])
+        return estimates
+
+    def skip(self, frame, last):
+        """A frame without joint readings, at an end of the records: the poses at the nearest reading, not to be relied on."""
+        readings, estimates = [], []
+        state = st.STATE_INITIALIZING if self.frames == self.skipped else st.STATE_LOST
+        for i, tool in enumerate(self.tools):
+            seconds = min(max(self.reading_time(frame), self.sequence.firstTime(i)), self.sequence.lastTime(i))
+            joints = self.sequence.jointsAt(i, seconds, tool.model.coordinateNames())[1]
+            camera_T_nominal = last[i].camera_T_nominal if last else np.eye(4)
+            nominal_T_tool = np.dot(tool.info.nominal_T_base, tool.model.endEffectorPose(np.array(joints)))
+            readings.append(joints)
+            estimates.append(Skipped(state, camera_T_nominal, np.dot(camera_T_nominal, nominal_T_tool)))
+        self.skipped += 1
+        return readings, estimates
+
+    def record(self, frame, estimates, writer):
+        seconds = frame / self.sequence.fps()
         for i, (tool, e) in enumerate(zip(self.tools, estimates)):
             tool.tracked += e.state == st.STATE_TRACKING
             if writer is not None:
@@ -188,7 +245,6 @@ class Run:
                 if found:
                     self.scorer.add(i, e.state, e.camera_T_tool, truth)
         self.frames += 1
-        return estimates
 
     def draw(self, image, joints, estimates):
         camera, scale = self.sequence.leftCamera(), image.shape[1] / 720.
@@ -215,11 +271,14 @@ class Run:
         print('%s: %d frames of %dx%d' % (self.sequence.name(), self.frames, size[0], size[1]))
         for tool in self.tools:
             print('  %-8s tracked in %.1f %% of the frames' % (tool.info.name, 100. * tool.tracked / self.frames))
+        if self.time_offset != 0:
+            print('  time offset %.4f s, %d frames without joint readings' % (self.time_offset, self.skipped))
         print('time a frame [ms]   median      95 %')
-        timings = np.sort(np.array(self.timings).reshape(self.frames, -1), axis=0)
+        tracked = len(self.timings)
+        timings = np.sort(np.array(self.timings or [[0.] * len(self.tracker.getTimings())]), axis=0)
         for i, stage in enumerate(self.tracker.getTimings()):
-            print('  %-14s %9.2f %9.2f' % (stage.name, 1e3 * timings[self.frames // 2, i], 1e3 * timings[min(self.frames - 1, int(0.95 * self.frames)), i]))
-        print('tracker %.1f Hz, whole run %.1f frames/s' % (self.frames / max(timings[:, -1].sum(), 1e-9), self.frames / max(self.seconds, 1e-9)))
+            print('  %-14s %9.2f %9.2f' % (stage.name, 1e3 * timings[tracked // 2, i], 1e3 * timings[min(max(tracked - 1, 0), int(0.95 * tracked)), i]))
+        print('tracker %.1f Hz, whole run %.1f frames/s' % (tracked / max(timings[:, -1].sum(), 1e-9), self.frames / max(self.seconds, 1e-9)))
         if self.scorer is None:
             return
         print('error of the poses  covered     translation [mm]     rotation [rad]   accuracy     silent')
@@ -236,7 +295,7 @@ def track(args, run):
     overlay = Overlay(args.video, run.sequence.fps(), run.sequence.leftCamera().imageSize()) if args.video else None
     remaining = max(0, reader.count - args.start)
     progress = Progress(min(args.frames, remaining) if args.frames else remaining, args.quiet)
-    begin, frame = time.time(), args.start
+    begin, frame, estimates = time.time(), args.start, None
     try:
         while args.frames == 0 or frame < args.start + args.frames:
             image = reader.read()
@@ -244,9 +303,13 @@ def track(args, run):
                 reader.check_end(run.sequence)
                 break
             joints = run.joints(frame)
-            if args.render_ahead:
-                run.render_ahead(frame + 1)
-            estimates = run.update(frame, image, joints, writer)
+            if joints is None:
+                joints, estimates = run.skip(frame, estimates)
+            else:
+                if args.render_ahead:
+                    run.render_ahead(frame + 1)
+                estimates = run.update(frame, image, joints)
+            run.record(frame, estimates, writer)
             if overlay is not None:
                 run.draw(image, joints, estimates)
                 overlay.write(image)
@@ -259,6 +322,9 @@ def track(args, run):
             overlay.finish()
     if run.frames == 0:
         raise Failure('%s: has no frames' % run.sequence.leftVideo())
+    if run.skipped == run.frames:
+        raise Failure("%s: no joint readings at the time of any frame with a time offset of %g s; those of tool '%s' cover %.3f to %.3f s"
+                      % (run.sequence.kinematicsFile(), run.time_offset, run.tools[0].info.name, run.sequence.firstTime(0), run.sequence.lastTime(0)))
 
 
 def main():

@@ -53,6 +53,12 @@ bool isRigid(const Matx44d& T, double tolerance = 1e-3);
 //! The same with an exact rotation, the nearest one.
 Matx44d nearestRigid(const Matx44d& T);
 
+//! Widths of gradients, of spreading and of zones are pixels of an image about this wide.
+const int referenceWidth = 720;
+
+//! The camera whose pixels are the means of factor x factor pixels.
+CameraModel reduceCamera(const CameraModel& camera, int factor);
+
 }} // namespace cv::surgtrack
 
 #endif

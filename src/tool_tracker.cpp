@@ -28,17 +28,6 @@ StageTime::StageTime() : calls(0), last(0), mean(0), min(0), max(0) {}
 
 namespace {
 
-// Widths of gradients, of spreading and of zones are pixels of an image about this wide.
-const int referenceWidth = 720;
-
-// The camera whose pixels are the means of factor x factor pixels.
-CameraModel reduceCamera(const CameraModel& camera, int factor)
-{
-    const double f = 1. / factor;
-    const Matx33d K(camera.fx * f, 0, (camera.cx + 0.5) * f - 0.5, 0, camera.fy * f, (camera.cy + 0.5) * f - 0.5, 0, 0, 1);
-    return CameraModel(K, camera.distCoeffs(), Size(camera.imageSize().width / factor, camera.imageSize().height / factor));
-}
-
 // Gradients of a pixel reach so far: blur 3, Sobel and vote 1 each.
 const int gradientReach = 5;
 

@@ -41,6 +41,7 @@ and `camera_T_nominal`, the correction, is what is sought.
 #include "opencv2/surgtrack/articulated_pose_ekf.hpp"
 #include "opencv2/surgtrack/tool_tracker.hpp"
 #include "opencv2/surgtrack/sequence.hpp"
+#include "opencv2/surgtrack/time_offset.hpp"
 #include "opencv2/surgtrack/synthetic.hpp"
 
 #endif

@@ -212,6 +212,35 @@ class surgtrack_test(NewOpenCVTests):
         video = cv.VideoCapture(sequence.leftVideo())
         self.assertEqual(video.get(cv.CAP_PROP_FRAME_COUNT), 6)
 
+    def test_time_offset(self):
+        self.scene(imageSize=(720, 576), frames=80).write(self.folder)
+        filename = self.path('kinematics.csv')
+        with open(filename) as f:
+            header, *lines = f.read().splitlines()
+        with open(filename, 'w') as f:
+            f.write(header + '\n')
+            for line in lines:
+                time, rest = line.split(',', 1)
+                f.write('%.4f,%s\n' % (float(time) + 0.36, rest))
+        sequence = st.Sequence.load(self.folder)
+        params = st.TimeOffsetParams()
+        params.frames, params.range = 20, 0.8
+        known, found = st.estimateTimeOffset(sequence, params=params)
+        self.assertTrue(known, found.reason)
+        self.assertAlmostEqual(found.offset, 0.36, delta=0.02)   # half a frame
+        self.assertTrue(0 < found.deviation < params.maxDeviation)
+        self.assertTrue(params.minConfidence < found.confidence <= 1)
+        self.assertGreater(found.support, 0)
+        self.assertLessEqual(found.frames, params.frames)
+        self.assertEqual(found.reason, '')
+        params.range = -1.
+        with self.assertRaises(cv.error):
+            st.estimateTimeOffset(sequence, params=params)
+        params.range, params.expected = 0.8, 100.
+        known, found = st.estimateTimeOffset(sequence, params=params)
+        self.assertFalse(known)
+        self.assertIn('of the video', found.reason)
+
     def test_scene_is_deterministic(self):
         image = self.scene().render(3)
         self.assertEqual((image.shape, image.dtype), ((288, 360, 3), np.uint8))
