@@ -26,6 +26,9 @@ const int maxOffsets = 10, maxStates = 6 + maxOffsets;
 typedef Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign, maxStates, 1> Vector;
 typedef Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::DontAlign, maxStates, maxStates> Matrix;
 
+typedef Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, maxStates> Rows2;
+typedef Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, maxStates> Rows3;
+
 const double nearest = 1e-3;   // [m]; points nearer than this are not seen
 
 Matx33d exponential(const Vec3d& omega)
@@ -43,7 +46,7 @@ struct State
     Matrix P;
     Point3d centre;       // what omega turns about, in the camera frame
     bool placed;          // whether the centre is that of a frame; before, P is about wherever the tool will be
-    double nis, contourNis;
+    double nis;
 };
 
 class ArticulatedPoseEKFImpl CV_FINAL : public ArticulatedPoseEKF
@@ -55,18 +58,18 @@ public:
     void predict(const std::vector<double>& joints, double growth) CV_OVERRIDE;
     void inflate(double rotation, double translation) CV_OVERRIDE;
     void undo() CV_OVERRIDE;
-    int correctPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
-                      const std::vector<Point2d>& imagePoints, std::vector<uchar>& used) CV_OVERRIDE;
-    void beginContours() CV_OVERRIDE;
-    int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points, double tolerance) CV_OVERRIDE;
-    void solveContours() CV_OVERRIDE;
+    void begin() CV_OVERRIDE;
+    int addPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
+                  const std::vector<Point2d>& imagePoints, std::vector<uchar>& used) CV_OVERRIDE;
+    int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points,
+                   double tolerance) CV_OVERRIDE;
     double surprise(double rotation, double translation) const CV_OVERRIDE;
+    bool solve() CV_OVERRIDE;
     const ToolView& view() const CV_OVERRIDE { return view_; }
     Matx44d correction() const CV_OVERRIDE { return state_.correction; }
     const std::vector<double>& offsets() const CV_OVERRIDE { return state_.offsets; }
     Mat covariance() const CV_OVERRIDE;
     double nis() const CV_OVERRIDE { return state_.nis; }
-    double contourNis() const CV_OVERRIDE { return state_.contourNis; }
     Matx22d imageCovariance(const CameraModel& camera, const Matx44d& eye_T_camera, int part) const CV_OVERRIDE;
     Matx66d poseCovariance() const CV_OVERRIDE;
 
@@ -79,11 +82,10 @@ private:
     };
 
     void place();
-    void clearInformation();
     bool row(const CameraModel& camera, const Matx44d& eye_T_camera, int link, const Point3d& linkPoint, Point2d& imagePoint,
-             Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, maxStates>& H) const;
-    void motion(int link, const Point3d& p, Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, maxStates>& D) const;
-    bool solve(const Matrix& P, Vector& x, Matrix& posterior) const;
+             Rows2& H) const;
+    void motion(int link, const Point3d& p, Rows3& D) const;
+    bool posterior(const Matrix& P, Vector& x, Matrix& result) const;
     void apply(const Vector& x);
 
     Ptr<ToolModel> model_;
@@ -103,9 +105,7 @@ private:
     Vector b_;
     double square_;                   // sum of r^2 / sigma^2
     int rows_;
-    // of one series of contour corrections
-    Matrix contourP_;
-    Vector contourX_;
+    Vector moved_;                    // x of the state since predict()
 };
 
 ArticulatedPoseEKFImpl::ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params)
@@ -141,10 +141,11 @@ void ArticulatedPoseEKFImpl::reset()
     }
     for (size_t i = 0; i < stateOf_.size(); i++)
         if (stateOf_[i] >= 0) state_.P(stateOf_[i], stateOf_[i]) = deviations_[i] * deviations_[i];
-    state_.nis = state_.contourNis = 0;
+    state_.nis = 0;
     state_.placed = false;
     place();
     predicted_ = state_;
+    moved_.setZero(n_);
 }
 
 // Poses of the links and axes of the joints, from readings and state. The centre stays.
@@ -199,25 +200,28 @@ void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double g
     for (size_t i = 0; i < stateOf_.size(); i++)
         if (stateOf_[i] >= 0) state_.P(stateOf_[i], stateOf_[i]) += std::pow(params_.processJoint * deviations_[i], 2);
     predicted_ = state_;
+    moved_.setZero(n_);
 }
 
 void ArticulatedPoseEKFImpl::inflate(double rotation, double translation)
 {
     for (int i = 0; i < 3; i++)
     {
-        state_.P(i, i) += rotation * rotation;
-        state_.P(3 + i, 3 + i) += translation * translation;
+        predicted_.P(i, i) += rotation * rotation;
+        predicted_.P(3 + i, 3 + i) += translation * translation;
     }
+    undo();
 }
 
 void ArticulatedPoseEKFImpl::undo()
 {
     state_ = predicted_;
+    moved_.setZero(n_);
     place();
 }
 
 // dp / dx of a point of a link, in the camera frame
-void ArticulatedPoseEKFImpl::motion(int link, const Point3d& p, Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, maxStates>& D) const
+void ArticulatedPoseEKFImpl::motion(int link, const Point3d& p, Rows3& D) const
 {
     D.setZero(3, n_);
     const Point3d a = p - state_.centre;
@@ -234,29 +238,21 @@ void ArticulatedPoseEKFImpl::motion(int link, const Point3d& p, Eigen::Matrix<do
 }
 
 bool ArticulatedPoseEKFImpl::row(const CameraModel& camera, const Matx44d& eye_T_camera, int link, const Point3d& linkPoint, Point2d& imagePoint,
-                                 Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, maxStates>& H) const
+                                 Rows2& H) const
 {
     const Point3d p = transform(view_.camera_T_base * view_.base_T_link[link], linkPoint), q = transform(eye_T_camera, p);
     if (q.z < nearest) return false;
     Matx23d J;
     imagePoint = camera.project(q, &J);
     const Matx23d JR = J * eye_T_camera.get_minor<3, 3>(0, 0);
-    Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, maxStates> D;
+    Rows3 D;
     motion(link, p, D);
     H = Eigen::Map<const Eigen::Matrix<double, 2, 3, Eigen::RowMajor> >(JR.val) * D;
     return true;
 }
 
-void ArticulatedPoseEKFImpl::clearInformation()
-{
-    A_.setZero(n_, n_);
-    b_.setZero(n_);
-    square_ = 0;
-    rows_ = 0;
-}
-
 // x = (P^-1 + A)^-1 b with P = L L^T: L (I + L^T A L)^-1 L^T b; the posterior is symmetric and positive by its form.
-bool ArticulatedPoseEKFImpl::solve(const Matrix& P, Vector& x, Matrix& posterior) const
+bool ArticulatedPoseEKFImpl::posterior(const Matrix& P, Vector& x, Matrix& result) const
 {
     const Eigen::LLT<Matrix> root(P);
     if (root.info() != Eigen::Success) return false;
@@ -265,8 +261,8 @@ bool ArticulatedPoseEKFImpl::solve(const Matrix& P, Vector& x, Matrix& posterior
     const Eigen::LLT<Matrix> cholesky(M);
     if (cholesky.info() != Eigen::Success) return false;
     const Matrix W = cholesky.matrixL().solve(Matrix(L.transpose()));
-    posterior = W.transpose() * W;
-    x = posterior * b_;
+    result = W.transpose() * W;
+    x = result * b_;
     return x.allFinite();
 }
 
@@ -285,11 +281,18 @@ void ArticulatedPoseEKFImpl::apply(const Vector& x)
     place();
 }
 
-int ArticulatedPoseEKFImpl::correctPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
-                                          const std::vector<Point2d>& imagePoints, std::vector<uchar>& used)
+void ArticulatedPoseEKFImpl::begin()
+{
+    A_.setZero(n_, n_);
+    b_.setZero(n_);
+    square_ = 0;
+    rows_ = 0;
+}
+
+int ArticulatedPoseEKFImpl::addPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
+                                      const std::vector<Point2d>& imagePoints, std::vector<uchar>& used)
 {
     CV_CheckEQ(parts.size(), imagePoints.size(), "one image point per part");
-    clearInformation();
     used.assign(parts.size(), 0);
     const double R = params_.pointNoise * params_.pointNoise;
     int passed = 0;
@@ -297,37 +300,23 @@ int ArticulatedPoseEKFImpl::correctPoints(const CameraModel& camera, const Matx4
     {
         const ToolModel::Keypoint& keypoint = model_->keypoints()[parts[i]];
         Point2d h;
-        Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, maxStates> H;
+        Rows2 H;
         if (!row(camera, eye_T_camera, keypoint.link, keypoint.linkPoint, h, H)) continue;
-        const Eigen::Vector2d r(imagePoints[i].x - h.x, imagePoints[i].y - h.y);
-        const Eigen::Matrix2d S = H * state_.P * H.transpose() + R * Eigen::Matrix2d::Identity();
+        const Eigen::Vector2d r = Eigen::Vector2d(imagePoints[i].x - h.x, imagePoints[i].y - h.y) + H * moved_;   // of the prediction
+        const Eigen::Matrix2d S = H * predicted_.P * H.transpose() + R * Eigen::Matrix2d::Identity();
         if (params_.gate > 0 && r.dot(S.llt().solve(r)) > params_.gate) continue;
         used[i] = 1;
         passed++;
-        A_ += H.transpose() * H / R;
-        b_ += H.transpose() * r / R;
+        A_.noalias() += H.transpose() * H / R;
+        b_.noalias() += H.transpose() * r / R;
         square_ += r.squaredNorm() / R;
         rows_ += 2;
     }
-    if (passed < std::max(1, params_.minPoints)) return passed;
-    Vector x;
-    Matrix posterior;
-    if (!solve(state_.P, x, posterior)) return 0;
-    state_.nis = (square_ - b_.dot(x)) / rows_;
-    state_.P = posterior;
-    apply(x);
     return passed;
 }
 
-void ArticulatedPoseEKFImpl::beginContours()
-{
-    contourP_ = state_.P;
-    contourX_ = Vector::Zero(n_);
-    clearInformation();
-}
-
 int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points,
-                                      double tolerance)
+                                       double tolerance)
 {
     int passed = 0;
     for (size_t i = 0; i < points.size(); i++)
@@ -335,15 +324,14 @@ int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d&
         const ContourPoint& c = points[i];
         if (!c.found) continue;
         Point2d h;
-        Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, maxStates> H;
+        Rows2 H;
         if (!row(camera, eye_T_camera, c.link, c.linkPoint, h, H)) continue;
         const Vector g = (c.normal.x * H.row(0) + c.normal.y * H.row(1)).transpose();
-        const Point2d d = c.imagePoint + c.normal * c.offset - h;
-        const double r = c.normal.dot(d);
-        const double sigma2 = std::pow(params_.contourNoise * c.deviation, 2), variance = sigma2 * params_.contourCorrelation;
-        if (r * r > 9 * (sigma2 + g.dot(contourP_ * g)) + tolerance * tolerance) continue;
-        const double w = 1 / std::pow(1 + r * r / (4 * sigma2 + tolerance * tolerance), 2) / variance;
-        const double z = r + g.dot(contourX_);
+        const double r = c.normal.dot(c.imagePoint + c.normal * c.offset - h);   // of the state; robust about it
+        const double sigma2 = std::pow(params_.contourNoise * c.deviation, 2), scale = tolerance * tolerance;
+        if (r * r > 9 * (sigma2 + scale)) continue;
+        const double w = 1 / (std::pow(1 + r * r / (4 * sigma2 + scale), 2) * sigma2 * params_.contourCorrelation);
+        const double z = r + g.dot(moved_);
         A_.noalias() += w * g * g.transpose();
         b_.noalias() += w * z * g;
         square_ += w * z * z;
@@ -353,32 +341,30 @@ int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d&
     return passed;
 }
 
-// log p(contours | a push of this size) / p(contours | none)
 double ArticulatedPoseEKFImpl::surprise(double rotation, double translation) const
 {
     Vector x, y;
-    Matrix posterior, pushed = contourP_;
+    Matrix result, pushed = predicted_.P;
     for (int i = 0; i < 3; i++)
     {
         pushed(i, i) += rotation * rotation;
         pushed(3 + i, 3 + i) += translation * translation;
     }
-    if (rows_ == 0 || !solve(contourP_, x, posterior) || !solve(pushed, y, posterior)) return 0;
+    if (rows_ == 0 || !posterior(predicted_.P, x, result) || !posterior(pushed, y, result)) return 0;
     return 0.5 * b_.dot(y - x);
 }
 
-void ArticulatedPoseEKFImpl::solveContours()
+bool ArticulatedPoseEKFImpl::solve()
 {
     Vector x;
-    Matrix posterior;
-    if (rows_ > 0 && solve(contourP_, x, posterior))
-    {
-        state_.contourNis = (square_ - b_.dot(x)) / rows_;
-        state_.P = posterior;
-        apply(x - contourX_);
-        contourX_ = x;
-    }
-    clearInformation();
+    Matrix P;
+    if (rows_ == 0 || !posterior(predicted_.P, x, P)) return false;
+    state_.nis = (square_ - b_.dot(x)) / rows_;
+    state_.P = P;
+    const Vector step = x - moved_;
+    apply(step);
+    moved_ = x;
+    return true;
 }
 
 Mat ArticulatedPoseEKFImpl::covariance() const
@@ -393,7 +379,7 @@ Matx22d ArticulatedPoseEKFImpl::imageCovariance(const CameraModel& camera, const
 {
     const ToolModel::Keypoint& keypoint = model_->keypoints()[part];
     Point2d h;
-    Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, maxStates> H;
+    Rows2 H;
     if (!row(camera, eye_T_camera, keypoint.link, keypoint.linkPoint, h, H)) return Matx22d::zeros();
     const Eigen::Matrix2d C = H * state_.P * H.transpose();
     return Matx22d(C(0, 0), C(0, 1), C(1, 0), C(1, 1));
@@ -411,7 +397,7 @@ Matx66d ArticulatedPoseEKFImpl::poseCovariance() const
         const Axis& a = axes_[link][i];
         if (a.revolute) J.block<3, 1>(0, a.state) += Eigen::Vector3d(a.direction.x, a.direction.y, a.direction.z);
     }
-    Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, maxStates> D;
+    Rows3 D;
     motion(link, Point3d(camera_T_tool(0, 3), camera_T_tool(1, 3), camera_T_tool(2, 3)), D);
     J.bottomRows<3>() = D;
     Matx66d result;

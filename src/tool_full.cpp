@@ -10,12 +10,12 @@ namespace cv { namespace surgtrack {
 
 namespace {
 
-static double tune(const char* name, double v) { const char* e = getenv(name); return e ? atof(e) : v; }
+/* Contours are looked for several times, nearer each time; the filter believes an edge the less the farther it is beyond the
+   tolerance. A first pose begins with the first window, one that is followed with the third. */
+const int passes = 5, startPass = 0, trackPass = 2;
+const double searchWindows[passes] = {16, 12, 8, 5, 3}, tolerances[passes] = {8, 5, 3, 1, 0};   // [pixel at 720 px image width]
 
-// Contours are looked for three times, nearer each time; the filter believes an edge the less the farther it is beyond this.
-const int passes = 3;
-const double searchWindows[passes] = {8, 5, 3}, tolerances[passes] = {3, 1, 0};   // [pixel at 720 px image width]
-
+const int minPoints = 4;               // parts that must have been found
 const double supportWindow = 6, supportedWithin = 1.5;   // where edges are looked for, and which are the outline's [pixel at 720 px image width]
 
 // The outline is drawn anew where a keypoint has moved farther than this since.
@@ -30,10 +30,9 @@ const double pushedLikelihood = 15;    // logarithm of the ratio, of contours
 
 } // namespace
 
-// Every eye's points, one after the other.
-int ToolTrackerImpl::correctPoints(TrackedTool& tool)
+// Every eye's points, to be solved. Returns how many passed the gate.
+int ToolTrackerImpl::addPoints(TrackedTool& tool)
 {
-    StageTimer timer(times_, FILTER);
     int passed = 0;
     for (size_t e = 0; e < open_; e++)
     {
@@ -45,12 +44,23 @@ int ToolTrackerImpl::correctPoints(TrackedTool& tool)
             parts_.push_back(eye.inliers[i].part);
             imagePoints_.push_back(eye.inliers[i].imagePoint);
         }
-        passed += tool.full->correctPoints(eye.camera, eye.eye_T_camera, parts_, imagePoints_, used_);
+        passed += tool.full->addPoints(eye.camera, eye.eye_T_camera, parts_, imagePoints_, used_);
         if (e > 0) continue;
         tool.inliers.clear();
         for (size_t i = 0; i < used_.size(); i++)
             if (used_[i]) tool.inliers.push_back(eye.inliers[i]);
     }
+    return passed;
+}
+
+// The filter after the points alone.
+int ToolTrackerImpl::correctPoints(TrackedTool& tool)
+{
+    StageTimer timer(times_, FILTER);
+    tool.full->begin();
+    const int passed = addPoints(tool);
+    if (passed < minPoints || !tool.full->solve()) return 0;
+    tool.nis = tool.full->nis();
     return passed;
 }
 
@@ -84,11 +94,12 @@ double ToolTrackerImpl::refine(TrackedTool& tool, int firstPass)
 {
     StageTimer timer(times_, CONTOUR);
     double likelihood = 0;
-    tool.full->beginContours();
     for (int pass = firstPass; pass < passes; pass++)
     {
         ContourSearch search;
         search.halfWindow = searchWindows[pass] * pixelScale_;
+        tool.full->begin();
+        addPoints(tool);
         for (size_t e = 0; e < open_; e++)
         {
             Eye& eye = eyes_[e];
@@ -97,7 +108,7 @@ double ToolTrackerImpl::refine(TrackedTool& tool, int firstPass)
             tool.full->addContour(eye.camera, eye.eye_T_camera, eye.outline, tolerances[pass] * pixelScale_);
         }
         if (pass == firstPass) likelihood = tool.full->surprise(pushRotation / 2, pushTranslation / 2);
-        tool.full->solveContours();
+        tool.full->solve();
     }
     tool.contourSupport = support(tool);
     return likelihood;
@@ -165,10 +176,10 @@ bool ToolTrackerImpl::startFull(int index)
             tool.visibleParts = int(eyes_[0].templates.size());
             sampleContours(index, 0);
         }
-        tool.full->reset();
-        tool.full->predict(joints_[index]);
-        correctPoints(tool);
-        if (pass > 0) refine(tool, pass > 2 ? 1 : 0);
+        if (pass == 0) { tool.full->reset();
+        tool.full->predict(joints_[index]); }
+        if (pass < 2) correctPoints(tool);
+        if (pass > 0) refine(tool, pass > 2 ? trackPass : startPass);
     }
     open_ = open;
     tool.correction = tool.full->correction();
@@ -193,21 +204,15 @@ bool ToolTrackerImpl::measureFull(int index, const TemplateSet* ahead)
         if (e == 0) tool.visibleParts = int(templates.size());
     }
     tool.contourSupport = 0;
-    if (tool.settles() && tune("SETTLE", 1))
-    {
-        tool.full->reset();
-        tool.full->predict(joints_[index]);
-    }
     int passed = correctPoints(tool);
     const std::vector<PartMatch>& matches = eyes_[0].inliers;
     if (matches.size() >= 5 && meanSimilarity(matches) > 0.55 && (2 * passed < int(matches.size()) || tool.full->nis() > pushedNis))
     {
-        tool.full->undo();
         tool.full->inflate(pushRotation, pushTranslation);
         tool.boosted = pushedFrames;
         passed = correctPoints(tool);
     }
-    if (passed < 4)
+    if (passed < minPoints)
     {
         tool.full->undo();
         tool.inliers.clear();
@@ -220,13 +225,12 @@ bool ToolTrackerImpl::measureFull(int index, const TemplateSet* ahead)
         for (size_t e = 0; e < open_; e++) draw(index, eyes_[e]);
         sampleContours(index, 0);
     }
-    if (refine(tool, 0) > pushedLikelihood)
+    if (refine(tool, trackPass) > pushedLikelihood)
     {
-        tool.full->undo();
         tool.full->inflate(pushRotation / 2, pushTranslation / 2);
         tool.boosted = std::max(tool.boosted, 3);
         correctPoints(tool);
-        refine(tool, 0);
+        refine(tool, trackPass);
     }
     const bool found = tool.state != STATE_LOST || (int(tool.inliers.size()) >= params_.minInitialInliers
                                                     && meanSimilarity(tool.inliers) >= params_.minInitialSimilarity);
@@ -236,7 +240,6 @@ bool ToolTrackerImpl::measureFull(int index, const TemplateSet* ahead)
         return false;
     }
     tool.correction = tool.full->correction();
-    tool.nis = tool.full->nis();
     return true;
 }
 

@@ -110,6 +110,7 @@ private:
     // METHOD_FULL
     bool startFull(int tool);
     bool measureFull(int tool, const TemplateSet* ahead);
+    int addPoints(TrackedTool& tool);
     int correctPoints(TrackedTool& tool);
     void sampleContours(int tool, const TemplateSet* ahead);
     double refine(TrackedTool& tool, int firstPass);

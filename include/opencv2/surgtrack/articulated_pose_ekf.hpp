@@ -46,38 +46,49 @@ public:
     //! One frame passes. @param joints readings, one per coordinate [rad or m] @param growth factor on the deviations of Q
     virtual void predict(const std::vector<double>& joints, double growth = 1) = 0;
 
-    //! P grows by these standard deviations [rad, m], as after a push of the camera.
+    //! Takes back everything since the last predict(); the prediction's P grows by these standard deviations [rad, m], as after a push.
     virtual void inflate(double rotation, double translation) = 0;
 
     //! Takes back everything since the last predict().
     virtual void undo() = 0;
 
-    /** @brief Takes in points of parts.
+    /** @name One correction: begin(), any number of addPoints() and addContour(), solve().
+    It may be repeated, each time about the state found before: the last one takes the place of those before it (iterated filter).
+    @{ */
+
+    virtual void begin() = 0;
+
+    /** @brief Points of parts.
     @param camera that saw them
     @param eye_T_camera the camera frame of the state in that of this camera; unit if it is the same
     @param parts keypoint indices
     @param imagePoints where they were found [pixel]
     @param used 1 where the point passed the gate
-    @return how many passed; with fewer than Params::minPoints nothing changes */
-    virtual int correctPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
-                              const std::vector<Point2d>& imagePoints, std::vector<uchar>& used) = 0;
+    @return how many passed */
+    virtual int addPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
+                          const std::vector<Point2d>& imagePoints, std::vector<uchar>& used) = 0;
 
-    //! @name Contours: begin, any number of times { add for each eye, solve }; each solve linearises anew, all take the place of each other. @{
-    virtual void beginContours() = 0;
-    //! @return how many of the found points passed the gate of three standard deviations
+    /** @brief Edges on the normals of a contour.
+    @param camera that saw them
+    @param eye_T_camera see addPoints()
+    @param points those found are taken
+    @param tolerance edges that are farther off than this (and than the gate of three deviations) count little [pixel]
+    @return how many passed */
     virtual int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points,
-                           double tolerance = 0) = 0;
-    //! Log likelihood ratio of the contours added: with a push of this size [rad, m] before this frame, and without.
+                           double tolerance) = 0;
+
+    //! Log likelihood ratio of what was added: with a push of this size [rad, m] before this frame, and without.
     virtual double surprise(double rotation, double translation) const = 0;
-    virtual void solveContours() = 0;
+
+    //! @return false if the equations can't be solved; nothing changes then
+    virtual bool solve() = 0;
     //! @}
 
     virtual const ToolView& view() const = 0;               //!< the tool as it is believed to be
     virtual Matx44d correction() const = 0;                 //!< camera_T_nominal
     virtual const std::vector<double>& offsets() const = 0; //!< one per coordinate, to be added to the reading [rad or m]
     virtual Mat covariance() const = 0;                     //!< CV_64F, of (omega, v, d)
-    virtual double nis() const = 0;                         //!< of the last correctPoints(), per degree of freedom
-    virtual double contourNis() const = 0;                  //!< of the last contour correction, per degree of freedom
+    virtual double nis() const = 0;                         //!< of the last solve(), per degree of freedom
     //! Covariance of where a keypoint will be seen [pixel^2], without measurement noise.
     virtual Matx22d imageCovariance(const CameraModel& camera, const Matx44d& eye_T_camera, int part) const = 0;
     //! Of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame.
