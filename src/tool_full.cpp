@@ -20,9 +20,12 @@ const int minPoints = 4;               // parts that must have been found
 // A first pose.
 const double startScales[] = {1, 0.8, 1.2}, startRotations[] = {0, -15 * CV_PI / 180, 15 * CV_PI / 180};   // hypotheses
 const int fitted = 3, fitRounds = 4;   // so many hypotheses are fitted, in so many rounds
-const double startSupport = 0.45, startSimilarity = 0.6;   // least evidence
-const double sureSupport = 0.55;       // enough to say so at once
-const double trackSupport = 0.35;      // of a tool that is followed
+
+/* Evidence: mean similarity of the parts plus support of the outline. Parts that a similar pose would show look alike, and so do
+   edges of tissue, but not both at once: right poses have 1.2 to 1.8, wrong ones up to 1.1. */
+const double sureEvidence = 1.25, startEvidence = 1.12, trackEvidence = 0.9;
+const double sureNis = 0.6;             // of points, per degree of freedom
+const double leastSupport = 0.3, leastSimilarity = 0.5, outlineAlone = 0.55;
 const double searchRotation = 4 * CV_PI / 180, searchTranslation = 0.008;   // how far a lost tool may be from where it was [rad, m]
 
 struct Candidate
@@ -45,6 +48,13 @@ const double pushedNis = 0.75;         // of points, per degree of freedom
 const double pushedLikelihood = 15;    // logarithm of the ratio, of contours
 
 } // namespace
+
+// 0 where the parts or the outline do not tell the tool from tissue at all.
+static double evidence(const TrackedTool& tool)
+{
+    const double similarity = meanSimilarity(tool.inliers);
+    return similarity < leastSimilarity || tool.contourSupport < leastSupport ? 0 : similarity + tool.contourSupport;
+}
 
 // Every eye's points, to be solved. Returns how many passed the gate.
 int ToolTrackerImpl::addPoints(TrackedTool& tool)
@@ -227,8 +237,7 @@ bool ToolTrackerImpl::beginAnew(int index, int first, int last)
     {
         if (k > 0) tool.before->copyTo(*tool.full);
         fit(index, best[k].inliers);
-        if (tool.contourSupport >= startSupport && meanSimilarity(tool.inliers) >= startSimilarity && int(tool.inliers.size()) >= minPoints + 1
-            && plausible(tool, tool.full->correction())) return true;
+        if (evidence(tool) >= startEvidence && int(tool.inliers.size()) > minPoints && plausible(tool, tool.full->correction())) return true;
     }
     tool.before->copyTo(*tool.full);
     tool.inliers.clear();
@@ -308,16 +317,13 @@ bool ToolTrackerImpl::measureFull(int index, const TemplateSet* ahead)
         correctPoints(tool);
         refine(tool, trackPass);
     }
-    // After a gap, or without points, the outline has to be as clear as that of a first pose.
-    const bool follows = tool.state == STATE_TRACKING && passed >= minPoints;
-    if (tool.contourSupport < (follows ? trackSupport : startSupport) || !plausible(tool, tool.full->correction())
-        || (tool.state != STATE_TRACKING && meanSimilarity(tool.inliers) < startSimilarity))
-    {
-        tool.full->undo();
-        tool.inliers.clear();
-        return false;
-    }
-    return true;
+    // A first pose that is to be confirmed, and one after a gap, need more.
+    const bool follows = tool.state == STATE_TRACKING;
+    const bool seen = passed >= minPoints ? evidence(tool) >= (follows ? trackEvidence : startEvidence) : tool.contourSupport >= outlineAlone;
+    if (seen && plausible(tool, tool.full->correction())) return true;
+    tool.full->undo();
+    tool.inliers.clear();
+    return false;
 }
 
 // The state after a frame.
@@ -328,8 +334,7 @@ void ToolTrackerImpl::concludeFull(TrackedTool& tool, bool seen)
         tool.lastSeen = time_;
         tool.unseen = 0;
         tool.confirmed++;
-        const bool strong = tool.state == STATE_INITIALIZING && tool.contourSupport >= sureSupport && int(tool.inliers.size()) >= params_.minInitialInliers
-                            && meanSimilarity(tool.inliers) >= params_.minInitialSimilarity;
+        const bool strong = tool.state == STATE_INITIALIZING && evidence(tool) >= sureEvidence && tool.nis <= sureNis && int(tool.inliers.size()) >= params_.minInitialInliers;
         if (tool.state == STATE_TRACKING || (tool.state == STATE_COASTING && !tool.searched) || strong || tool.confirmed > params_.confirmFrames)
         {
             tool.state = STATE_TRACKING;

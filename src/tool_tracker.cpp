@@ -32,7 +32,7 @@ namespace {
 const int gradientReach = 5;
 
 // Of a first pose; the outline tells the rest.
-const int minFullInliers = 5;
+const int minFullInliers = 4;
 
 inline Point2d enlarge(const Point2d& p, int factor)
 {
