@@ -14,7 +14,7 @@ namespace cv { namespace surgtrack {
 
 ArticulatedPoseEKF::Params::Params()
     : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.1 * CV_PI / 180), processTranslation(0.0003),
-      processJoint(0.03), pointNoise(3), gate(13.8), minPoints(4), contourNoise(1), contourCorrelation(30)
+      processJoint(0.03), pointNoise(3), gate(13.8), minPoints(4), contourNoise(1), jointOffsets(true), contourCorrelation(18)
 {
 }
 
@@ -113,6 +113,7 @@ ArticulatedPoseEKFImpl::ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, cons
 {
     CV_Assert(model);
     deviations_ = model->offsetDeviations();
+    if (!params.jointOffsets) std::fill(deviations_.begin(), deviations_.end(), 0.);
     const std::vector<ToolModel::Link>& links = model->links();
     n_ = 6;
     for (size_t i = 0; i < deviations_.size(); i++)

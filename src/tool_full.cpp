@@ -45,7 +45,7 @@ const double maxContourTurn = 0.05;    // [rad]
 const double pushRotation = CV_PI / 180, pushTranslation = 0.002;   // [rad], [m]
 const int pushedFrames = 10;
 const double pushedNis = 0.75;         // of points, per degree of freedom
-const double pushedLikelihood = 15;    // logarithm of the ratio, of contours
+const double pushedLikelihood = 2;     // logarithm of the ratio; 99 of 100 frames without a push have less than 1
 
 } // namespace
 
@@ -131,7 +131,7 @@ double ToolTrackerImpl::refine(TrackedTool& tool, int firstPass)
             Eye& eye = eyes_[e];
             placeContour(eye.camera, seenFrom(eye, tool.full->view()), eye.outline);
             matchContour(eye.pixels(), eye.outline, search);
-            tool.full->addContour(eye.camera, eye.eye_T_camera, eye.outline, tolerances[pass] * pixelScale_);
+            if (params_.contours) tool.full->addContour(eye.camera, eye.eye_T_camera, eye.outline, tolerances[pass] * pixelScale_);
         }
         if (pass == firstPass) likelihood = tool.full->surprise(pushRotation / 2, pushTranslation / 2);
         tool.full->solve();
@@ -290,7 +290,7 @@ bool ToolTrackerImpl::measureFull(int index, const TemplateSet* ahead)
     tool.contourSupport = 0;
     int passed = correctPoints(tool);
     const std::vector<PartMatch>& matches = eyes_[0].inliers;
-    if (matches.size() >= 5 && meanSimilarity(matches) > 0.55 && (2 * passed < int(matches.size()) || tool.full->nis() > pushedNis))
+    if (params_.adaptation && matches.size() >= 5 && meanSimilarity(matches) > 0.55 && (2 * passed < int(matches.size()) || tool.full->nis() > pushedNis))
     {
         tool.full->inflate(pushRotation, pushTranslation);
         tool.boosted = pushedFrames;
@@ -310,7 +310,7 @@ bool ToolTrackerImpl::measureFull(int index, const TemplateSet* ahead)
         for (size_t e = 0; e < open_; e++) draw(index, eyes_[e]);
         sampleContours(index, 0);
     }
-    if (refine(tool, trackPass) > pushedLikelihood && passed >= minPoints)
+    if (refine(tool, trackPass) > pushedLikelihood && passed >= minPoints && params_.adaptation)
     {
         tool.full->inflate(pushRotation / 2, pushTranslation / 2);
         tool.boosted = std::max(tool.boosted, 3);

@@ -20,7 +20,7 @@ ToolEstimate::ToolEstimate()
 }
 
 ToolTracker::Params::Params()
-    : method(METHOD_PAPER), initialWindow(0.014), minWindow(30), minInitialInliers(6), minInitialSimilarity(0.65), confirmFrames(1), coastingTime(2), seed(1)
+    : method(METHOD_FULL), jointOffsets(true), contours(true), adaptation(true), initialWindow(0.014), minWindow(30), minInitialInliers(6), minInitialSimilarity(0.65), confirmFrames(1), coastingTime(2), seed(1)
 {
 }
 
@@ -30,6 +30,9 @@ namespace {
 
 // Gradients of a pixel reach so far: blur 3, Sobel and vote 1 each.
 const int gradientReach = 5;
+
+// For some frames after a push Q is larger: 0.3 degrees, 0.9 mm.
+const double pushedGrowth = 3;
 
 // Of a first pose; the outline tells the rest.
 const int minFullInliers = 4;
@@ -127,6 +130,7 @@ int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal
     if (params_.method == METHOD_FULL)
     {
         ArticulatedPoseEKF::Params full;
+        full.jointOffsets = params_.jointOffsets;
         full.pointNoise *= pixelScale_;
         full.contourNoise *= pixelScale_;
         tool.full = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
@@ -215,7 +219,7 @@ void ToolTrackerImpl::placeTools(const std::vector<std::vector<double> >& joints
         TrackedTool& tool = tools_[i];
         if (tool.full)
         {
-            tool.full->predict(joints[i], tool.boosted > 0 ? 15 : 1);
+            tool.full->predict(joints[i], tool.boosted > 0 ? pushedGrowth : 1);
             tool.boosted = std::max(0, tool.boosted - 1);
             views_[i] = tool.full->view();
         }

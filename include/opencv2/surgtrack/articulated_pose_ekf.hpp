@@ -34,6 +34,7 @@ public:
         CV_PROP_RW double gate;                 //!< points with a larger squared Mahalanobis distance are left out; 13.8 = 99.9 % of chi-square with 2 dof
         CV_PROP_RW int minPoints;               //!< with fewer points inside the gate nothing is updated
         CV_PROP_RW double contourNoise;         //!< standard deviation of an edge along its normal [pixel]
+        CV_PROP_RW bool jointOffsets;           //!< whether the readings may have offsets
         CV_PROP_RW double contourCorrelation;   //!< so many neighbouring contour points tell as much as one
     };
 
