@@ -59,7 +59,7 @@ public:
     void undo() CV_OVERRIDE;
     void begin() CV_OVERRIDE;
     int addPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
-                  const std::vector<Point2d>& imagePoints, std::vector<uchar>& used) CV_OVERRIDE;
+                  const std::vector<Point2d>& imagePoints, const std::vector<double>& noise, std::vector<uchar>& used) CV_OVERRIDE;
     int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points,
                    double tolerance) CV_OVERRIDE;
     double surprise(double rotation, double translation) const CV_OVERRIDE;
@@ -291,11 +291,11 @@ void ArticulatedPoseEKFImpl::begin()
 }
 
 int ArticulatedPoseEKFImpl::addPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
-                                      const std::vector<Point2d>& imagePoints, std::vector<uchar>& used)
+                                      const std::vector<Point2d>& imagePoints, const std::vector<double>& noise, std::vector<uchar>& used)
 {
     CV_CheckEQ(parts.size(), imagePoints.size(), "one image point per part");
     used.assign(parts.size(), 0);
-    const double R = params_.pointNoise * params_.pointNoise;
+    CV_CheckEQ(parts.size(), noise.size(), "one factor of the noise per part");
     int passed = 0;
     for (size_t i = 0; i < parts.size(); i++)
     {
@@ -304,6 +304,7 @@ int ArticulatedPoseEKFImpl::addPoints(const CameraModel& camera, const Matx44d& 
         Rows2 H;
         if (!row(camera, eye_T_camera, keypoint.link, keypoint.linkPoint, h, H)) continue;
         const Eigen::Vector2d r = Eigen::Vector2d(imagePoints[i].x - h.x, imagePoints[i].y - h.y) + H * moved_;   // of the prediction
+        const double R = std::pow(params_.pointNoise * noise[i], 2);
         const Eigen::Matrix2d S = H * predicted_.P * H.transpose() + R * Eigen::Matrix2d::Identity();
         if (params_.gate > 0 && r.dot(S.llt().solve(r)) > params_.gate) continue;
         used[i] = 1;

@@ -149,6 +149,7 @@ int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal
     windows_.reserve(parts);
     predicted_.reserve(parts);
     parts_.reserve(parts);
+    noise_.reserve(parts);
     nominalPoints_.reserve(parts);
     imagePoints_.reserve(parts);
     used_.reserve(parts);
@@ -171,7 +172,7 @@ void ToolTrackerImpl::reset(int tool)
         if (t.full) t.full->reset();
         t.contourSupport = 0;
         t.boosted = t.unseen = t.searches = 0;
-        t.searched = false;
+        t.searched = t.points = false;
         t.correction = t.trusted = Matx44d::eye();
         t.state = STATE_INITIALIZING;
         t.confirmed = 0;

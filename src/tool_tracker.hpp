@@ -60,6 +60,8 @@ struct TrackedTool
     Ptr<ArticulatedPoseEKF> sure;    // it, as it was when the tool was last tracked
     Ptr<ToolContour> contour;
     double contourSupport;
+    bool points;                     // whether parts went into the pose, not only the outline
+    std::vector<PartMatch> inliersBefore;   // memory
     int unseen;                      // consecutive frames without a measurement
     int searches;                    // since the tool was last seen
     bool searched;                   // the pose is that of a search, and not confirmed yet
@@ -118,6 +120,7 @@ private:
     bool searchFull(int tool);
     bool beginAnew(int tool, int first, int last);
     void fit(int tool, const std::vector<PartMatch>& inliers);
+    bool correctFull(int tool, const TemplateSet* ahead);
     bool measureFull(int tool, const TemplateSet* ahead);
     void concludeFull(TrackedTool& tool, bool seen);
     int addPoints(TrackedTool& tool);
@@ -146,6 +149,7 @@ private:
     std::vector<Point3d> nominalPoints_;
     std::vector<Point2d> imagePoints_;
     std::vector<int> parts_;
+    std::vector<double> noise_;
     std::vector<uchar> used_;
 
     Ptr<RenderAhead> ahead_;   // made by the first renderAhead()

@@ -64,10 +64,11 @@ public:
     @param eye_T_camera the camera frame of the state in that of this camera; unit if it is the same
     @param parts keypoint indices
     @param imagePoints where they were found [pixel]
+    @param noise factor on Params::pointNoise, one each
     @param used 1 where the point passed the gate
     @return how many passed */
     virtual int addPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
-                          const std::vector<Point2d>& imagePoints, std::vector<uchar>& used) = 0;
+                          const std::vector<Point2d>& imagePoints, const std::vector<double>& noise, std::vector<uchar>& used) = 0;
 
     /** @brief Edges on the normals of a contour.
     @param camera that saw them
