@@ -7,7 +7,7 @@
 
 namespace cv { namespace surgtrack {
 
-ContourPoint::ContourPoint() : link(-1), crease(false), found(false), offset(0), strength(0), deviation(0) {}
+ContourPoint::ContourPoint() : link(-1), crease(false), found(false), offset(0), deviation(0), strength(0) {}
 
 ToolContour::Params::Params() : spacing(3), maxPoints(400), creaseAngle(0) {}
 
@@ -95,7 +95,7 @@ public:
     ToolContourImpl(const Ptr<ToolModel>& model, const Params& params) : model_(model), params_(params)
     {
         CV_Assert(model);
-        CV_CheckGT(params.spacing, 0., "Params::spacing must be positive");
+        CV_Check(params.spacing, params.spacing > 0 && params.spacing < DBL_MAX, "Params::spacing must be positive");
         CV_CheckGT(params.maxPoints, 0, "Params::maxPoints must be positive");
         CV_Check(params.creaseAngle, params.creaseAngle >= 0 && params.creaseAngle < CV_PI, "Params::creaseAngle must be in 0..pi");
         for (size_t i = 0; i < model->meshes().size(); i++) meshes_.push_back(findEdges(model->meshes()[i], params.creaseAngle));
@@ -190,6 +190,9 @@ void ToolContourImpl::sample(const CameraModel& camera, const ToolView& view, co
     points.clear();
     const Rect& window = rendering.window;
     if (window.empty()) return;
+    CV_Assert(rendering.ids.type() == CV_8UC1 && rendering.ids.size() == window.size() && "rendering.ids: CV_8UC1 of the window's size");
+    CV_Assert(rendering.depth.type() == CV_32FC1 && rendering.depth.size() == window.size() && "rendering.depth: CV_32FC1 of the window's size");
+    CV_Check(id, id >= 1 && id <= 255, "id must be 1..255");
     collect(camera, view, camera.fieldOfView(window));
     const Rect inside(1, 1, window.width - 2, window.height - 2);
     double spacing = params_.spacing, rest = spacing / 2;
@@ -261,6 +264,7 @@ void placeContour(const CameraModel& camera, const ToolView& view, std::vector<C
         if (c.link != link)
         {
             link = c.link;
+            CV_Check(link, link >= 0 && link < int(view.base_T_link.size()), "points: of another tool, no such link");
             camera_T_link = view.camera_T_base * view.base_T_link[link];
         }
         const Point3d p = transform(camera_T_link, c.linkPoint);
