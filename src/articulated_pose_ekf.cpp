@@ -12,10 +12,9 @@
 
 namespace cv { namespace surgtrack {
 
-static double tune(const char* name, double v) { const char* e = getenv(name); return e ? atof(e) : v; }
 ArticulatedPoseEKF::Params::Params()
-    : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(tune("QR", 0.1) * CV_PI / 180), processTranslation(tune("QT", 0.0003)),
-      processJoint(tune("QJ", 0.03)), pointNoise(tune("RP", 3)), gate(13.8), minPoints(4), contourNoise(tune("RC", 1)), contourCorrelation(tune("CC", 30))
+    : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.1 * CV_PI / 180), processTranslation(0.0003),
+      processJoint(0.03), pointNoise(3), gate(13.8), minPoints(4), contourNoise(1), contourCorrelation(30)
 {
 }
 
@@ -85,6 +84,7 @@ public:
                    double tolerance) CV_OVERRIDE;
     double surprise(double rotation, double translation) const CV_OVERRIDE;
     bool solve() CV_OVERRIDE;
+    void copyTo(ArticulatedPoseEKF& other) const CV_OVERRIDE;
     const ToolView& view() const CV_OVERRIDE { return view_; }
     Matx44d correction() const CV_OVERRIDE { return state_.correction; }
     const std::vector<double>& offsets() const CV_OVERRIDE { return state_.offsets; }
@@ -411,6 +411,17 @@ bool ArticulatedPoseEKFImpl::solve()
     for (size_t i = 0; i < stateOf_.size(); i++)
         if (stateOf_[i] >= 0) moved_[stateOf_[i]] = state_.offsets[i] - predicted_.offsets[i];
     return true;
+}
+
+void ArticulatedPoseEKFImpl::copyTo(ArticulatedPoseEKF& _other) const
+{
+    ArticulatedPoseEKFImpl* const other = dynamic_cast<ArticulatedPoseEKFImpl*>(&_other);
+    CV_Assert(other && other->model_ == model_ && "other: a filter of the same tool");
+    other->state_ = state_;
+    other->predicted_ = predicted_;
+    other->moved_ = moved_;
+    other->joints_ = joints_;
+    other->place();
 }
 
 Mat ArticulatedPoseEKFImpl::covariance() const

@@ -16,6 +16,25 @@ const int passes = 5, startPass = 0, trackPass = 2;
 const double searchWindows[passes] = {16, 12, 8, 5, 3}, tolerances[passes] = {8, 5, 3, 1, 0};   // [pixel at 720 px image width]
 
 const int minPoints = 4;               // parts that must have been found
+
+// A first pose.
+const double startScales[] = {1, 0.8, 1.2}, startRotations[] = {0, -15 * CV_PI / 180, 15 * CV_PI / 180};   // hypotheses
+const int fitted = 3, fitRounds = 4;   // so many hypotheses are fitted, in so many rounds
+
+/* Evidence: mean similarity of the parts plus support of the outline. Parts that a similar pose would show look alike, and so do
+   edges of tissue, but not both at once: right poses have 1.2 to 1.8, wrong ones up to 1.1. */
+const double sureEvidence = 1.25, startEvidence = 1.12, trackEvidence = 0.9;
+const double sureNis = 0.6;             // of points, per degree of freedom
+const double leastSupport = 0.3, leastSimilarity = 0.5, outlineAlone = 0.55;
+const double searchRotation = 4 * CV_PI / 180, searchTranslation = 0.008;   // how far a lost tool may be from where it was [rad, m]
+
+struct Candidate
+{
+    Candidate() : score(0) {}
+    double score;
+    std::vector<PartMatch> inliers;
+};
+
 const double supportWindow = 6, supportedWithin = 1.5;   // where edges are looked for, and which are the outline's [pixel at 720 px image width]
 
 // The outline is drawn anew where a keypoint has moved farther than this since.
@@ -29,6 +48,13 @@ const double pushedNis = 0.75;         // of points, per degree of freedom
 const double pushedLikelihood = 15;    // logarithm of the ratio, of contours
 
 } // namespace
+
+// 0 where the parts or the outline do not tell the tool from tissue at all.
+static double evidence(const TrackedTool& tool)
+{
+    const double similarity = meanSimilarity(tool.inliers);
+    return similarity < leastSimilarity || tool.contourSupport < leastSupport ? 0 : similarity + tool.contourSupport;
+}
 
 // Every eye's points, to be solved. Returns how many passed the gate.
 int ToolTrackerImpl::addPoints(TrackedTool& tool)
@@ -155,42 +181,100 @@ bool ToolTrackerImpl::movedSince(int index, const std::vector<ToolView>& drawn) 
     return false;
 }
 
+// Everything from the filter's prediction, which is vague, and the parts found: in several rounds, each drawn where the one before ended.
+void ToolTrackerImpl::fit(int index, const std::vector<PartMatch>& inliers)
+{
+    TrackedTool& tool = tools_[index];
+    const size_t open = open_;
+    open_ = 1;   // the first matches are of one eye
+    eyes_[0].inliers = inliers;
+    correctPoints(tool);
+    open_ = open;
+    for (int round = 0; round < fitRounds; round++)
+    {
+        views_[index] = tool.full->view();
+        for (size_t e = 0; e < open_; e++)
+        {
+            draw(index, eyes_[e]);
+            if (round < fitRounds - 1) locate(index, eyes_[e], eyes_[e].templates, params_.minWindow * pixelScale_, e == 0);
+        }
+        tool.visibleParts = int(eyes_[0].templates.size());
+        sampleContours(index, 0);
+        if (round == 0) correctPoints(tool);
+        refine(tool, round < 2 ? startPass : trackPass);
+    }
+}
+
+/* The first pose, or that of a lost tool: parts in wide windows by several scales and rotations about the pose predicted (paper,
+   Sec. 2.1), the most promising of them fitted, and the one kept whose outline is in the image.
+   first, last: which of the nine hypotheses */
+bool ToolTrackerImpl::beginAnew(int index, int first, int last)
+{
+    TrackedTool& tool = tools_[index];
+    Eye& eye = eyes_[0];
+    tool.full->copyTo(*tool.before);
+    const double distance = std::max(transform(tool.full->correction(), tool.nominalPoints[0]).z, 0.02);
+    const double halfWindow = params_.initialWindow * std::max(eye.camera.fx, eye.camera.fy) / distance;
+    Candidate best[fitted];
+    for (int i = first; i <= last; i++)
+    {
+        views_[index] = tool.full->view();
+        const std::vector<PartTemplate>& templates = draw(index, eye, startScales[i / 3], startRotations[i % 3]);
+        locate(index, eye, templates, halfWindow, true);
+        if (i == first) tool.visibleParts = int(templates.size());
+        double score = 0;
+        for (size_t k = 0; k < eye.inliers.size(); k++) score += eye.inliers[k].similarity;
+        for (int k = 0; k < fitted; k++)
+            if (score > best[k].score)
+            {
+                for (int l = fitted - 1; l > k; l--) std::swap(best[l], best[l - 1]);
+                best[k].score = score;
+                best[k].inliers = eye.inliers;
+                break;
+            }
+    }
+    for (int k = 0; k < fitted && best[k].score > 0; k++)
+    {
+        if (k > 0) tool.before->copyTo(*tool.full);
+        fit(index, best[k].inliers);
+        if (evidence(tool) >= startEvidence && int(tool.inliers.size()) > minPoints && plausible(tool, tool.full->correction())) return true;
+    }
+    tool.before->copyTo(*tool.full);
+    tool.inliers.clear();
+    tool.contourSupport = 0;
+    return false;
+}
+
 bool ToolTrackerImpl::startFull(int index)
 {
     TrackedTool& tool = tools_[index];
-    tool.full->undo();
-    const size_t open = open_;
-    open_ = 1;
-    eyes_[0].inliers = tool.inliers;
-    for (int pass = 0; pass < 5; pass++)
+    tool.full->reset();
+    tool.full->predict(joints_[index]);
+    return beginAnew(index, 0, 8);
+}
+
+// One hypothesis a frame, the upright one every other time: about the last pose, and about the hand-eye calibration itself.
+bool ToolTrackerImpl::searchFull(int index)
+{
+    TrackedTool& tool = tools_[index];
+    const int n = tool.searches++;
+    const int hypothesis = n % 2 == 0 ? 0 : 1 + (n / 2) % 8;
+    tool.full->copyTo(*tool.before);
+    if (n % 4 < 2) tool.full->inflate(searchRotation, searchTranslation);
+    else
     {
-        if (pass == 1) open_ = open;
-        if (pass > 0)
-        {
-            views_[index] = tool.full->view();
-            for (size_t e = 0; e < open_; e++)
-            {
-                draw(index, eyes_[e]);
-                if (pass < 4) locate(index, eyes_[e], eyes_[e].templates, params_.minWindow * pixelScale_, e == 0);
-            }
-            tool.visibleParts = int(eyes_[0].templates.size());
-            sampleContours(index, 0);
-        }
-        if (pass == 0) { tool.full->reset();
-        tool.full->predict(joints_[index]); }
-        if (pass < 2) correctPoints(tool);
-        if (pass > 0) refine(tool, pass > 2 ? trackPass : startPass);
+        tool.full->reset();
+        tool.full->predict(joints_[index]);
     }
-    open_ = open;
-    tool.correction = tool.full->correction();
-    const bool good = meanSimilarity(tool.inliers) >= params_.minInitialSimilarity && plausible(tool, tool.correction);
-    if (!good)
-    {
-        tool.full->undo();
-        tool.correction = tool.full->correction();
-        tool.inliers.clear();
-    }
-    return good;
+    // beginAnew() has its own memory of the vague filter
+    Ptr<ArticulatedPoseEKF> before = tool.before;
+    tool.before = tool.spare;
+    const bool found = beginAnew(index, hypothesis, hypothesis);
+    tool.spare = tool.before;
+    tool.before = before;
+    if (!found) tool.before->copyTo(*tool.full);
+    tool.searched = found;
+    return found;
 }
 
 bool ToolTrackerImpl::measureFull(int index, const TemplateSet* ahead)
@@ -212,11 +296,12 @@ bool ToolTrackerImpl::measureFull(int index, const TemplateSet* ahead)
         tool.boosted = pushedFrames;
         passed = correctPoints(tool);
     }
-    if (passed < minPoints)
+    if (passed < minPoints)   // the outline alone may do
     {
         tool.full->undo();
         tool.inliers.clear();
-        return false;
+        for (size_t e = 0; e < open_; e++) eyes_[e].inliers.clear();
+        if (tool.state != STATE_TRACKING && tool.state != STATE_COASTING) return false;
     }
     sampleContours(index, ahead);
     if (movedSince(index, ahead ? ahead->views : eyes_[0].views))
@@ -225,22 +310,52 @@ bool ToolTrackerImpl::measureFull(int index, const TemplateSet* ahead)
         for (size_t e = 0; e < open_; e++) draw(index, eyes_[e]);
         sampleContours(index, 0);
     }
-    if (refine(tool, trackPass) > pushedLikelihood)
+    if (refine(tool, trackPass) > pushedLikelihood && passed >= minPoints)
     {
         tool.full->inflate(pushRotation / 2, pushTranslation / 2);
         tool.boosted = std::max(tool.boosted, 3);
         correctPoints(tool);
         refine(tool, trackPass);
     }
-    const bool found = tool.state != STATE_LOST || (int(tool.inliers.size()) >= params_.minInitialInliers
-                                                    && meanSimilarity(tool.inliers) >= params_.minInitialSimilarity);
-    if (!found || !plausible(tool, tool.full->correction()))
+    // A first pose that is to be confirmed, and one after a gap, need more.
+    const bool follows = tool.state == STATE_TRACKING;
+    const bool seen = passed >= minPoints ? evidence(tool) >= (follows ? trackEvidence : startEvidence) : tool.contourSupport >= outlineAlone;
+    if (seen && plausible(tool, tool.full->correction())) return true;
+    tool.full->undo();
+    tool.inliers.clear();
+    return false;
+}
+
+// The state after a frame.
+void ToolTrackerImpl::concludeFull(TrackedTool& tool, bool seen)
+{
+    if (seen)
     {
-        tool.full->undo();
-        return false;
+        tool.lastSeen = time_;
+        tool.unseen = 0;
+        tool.confirmed++;
+        const bool strong = tool.state == STATE_INITIALIZING && evidence(tool) >= sureEvidence && tool.nis <= sureNis && int(tool.inliers.size()) >= params_.minInitialInliers;
+        if (tool.state == STATE_TRACKING || (tool.state == STATE_COASTING && !tool.searched) || strong || tool.confirmed > params_.confirmFrames)
+        {
+            tool.state = STATE_TRACKING;
+            tool.searches = 0;
+            tool.searched = false;
+            tool.full->copyTo(*tool.sure);
+        }
+    }
+    else
+    {
+        tool.unseen++;
+        tool.confirmed = 0;
+        tool.inliers.clear();
+        tool.nis = 0;
+        if (tool.searched) tool.sure->copyTo(*tool.full);   // the pose of the search was a false one
+        tool.searched = false;
+        if (tool.state == STATE_TRACKING) tool.state = STATE_COASTING;
+        if (tool.state == STATE_COASTING && time_ - tool.lastSeen > params_.coastingTime) tool.state = STATE_LOST;
     }
     tool.correction = tool.full->correction();
-    return true;
+    tool.similarity = meanSimilarity(tool.inliers);
 }
 
 }} // namespace cv::surgtrack

@@ -86,7 +86,6 @@ bool ToolTrackerImpl::initialize(int index, int first, int last)
             return false;
         }
     }
-    if (tool.full) return startFull(index);
     const Matx44d before = tool.correction;
     tool.filter->reset(correction);
     tool.correction = correction;

@@ -31,6 +31,9 @@ namespace {
 // Gradients of a pixel reach so far: blur 3, Sobel and vote 1 each.
 const int gradientReach = 5;
 
+// Of a first pose; the outline tells the rest.
+const int minFullInliers = 4;
+
 inline Point2d enlarge(const Point2d& p, int factor)
 {
     return Point2d((p.x + 0.5) * factor - 0.5, (p.y + 0.5) * factor - 0.5);
@@ -91,7 +94,7 @@ ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params
         context.maxScale = context.maxRotation = 0;
     }
     verifier_ = GeometricContextVerifier::create(context);
-    context.minInliers = params.minInitialInliers;
+    context.minInliers = params.method == METHOD_FULL ? minFullInliers : params.minInitialInliers;
     startVerifier_ = GeometricContextVerifier::create(context);
 }
 
@@ -127,6 +130,9 @@ int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal
         full.pointNoise *= pixelScale_;
         full.contourNoise *= pixelScale_;
         tool.full = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
+        tool.before = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
+        tool.spare = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
+        tool.sure = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
         tool.contour = ToolContour::create(model);
     }
     for (size_t i = 0; i < eyes_.size(); i++)
@@ -160,7 +166,8 @@ void ToolTrackerImpl::reset(int tool)
         t.filter->reset(Matx44d::eye());
         if (t.full) t.full->reset();
         t.contourSupport = 0;
-        t.boosted = 0;
+        t.boosted = t.unseen = t.searches = 0;
+        t.searched = false;
         t.correction = t.trusted = Matx44d::eye();
         t.state = STATE_INITIALIZING;
         t.confirmed = 0;
@@ -359,7 +366,6 @@ void ToolTrackerImpl::conclude(TrackedTool& tool, bool seen) const
             tool.confirmed = 0;
             tool.correction = tool.trusted;
             tool.filter->reset(tool.correction);
-            if (tool.full) tool.full->reset();
         }
         tool.inliers.clear();
         tool.nis = 0;
@@ -410,9 +416,18 @@ void ToolTrackerImpl::updateEyes(double time, const std::vector<std::vector<doub
         for (int i = 0; i < int(tools_.size()); i++)
         {
             TrackedTool& tool = tools_[i];
-            bool seen = tool.starts() ? start(i) : tool.full ? measureFull(i, ahead) : measure(i, ahead);
-            if (!seen && tool.state == STATE_LOST) seen = search(i);
-            conclude(tool, seen);
+            if (tool.full)
+            {
+                bool seen = tool.starts() ? startFull(i) : measureFull(i, ahead);
+                if (!seen && !tool.starts()) seen = searchFull(i);
+                concludeFull(tool, seen);
+            }
+            else
+            {
+                bool seen = tool.starts() ? start(i) : measure(i, ahead);
+                if (!seen && tool.state == STATE_LOST) seen = search(i);
+                conclude(tool, seen);
+            }
             // Others are drawn, and hidden, where this tool was found.
             if (tool.full) views_[i] = tool.full->view();
             else views_[i].camera_T_base = tool.correction * tool.nominal_T_base;

@@ -54,9 +54,15 @@ struct TrackedTool
     std::vector<PartMatch> inliers;
 
     // METHOD_FULL
-    Ptr<ArticulatedPoseEKF> full;
+    Ptr<ArticulatedPoseEKF> full;    // `filter` of the other methods
+    Ptr<ArticulatedPoseEKF> before;  // it, as it was before a search
+    Ptr<ArticulatedPoseEKF> spare;   // memory
+    Ptr<ArticulatedPoseEKF> sure;    // it, as it was when the tool was last tracked
     Ptr<ToolContour> contour;
     double contourSupport;
+    int unseen;                      // consecutive frames without a measurement
+    int searches;                    // since the tool was last seen
+    bool searched;                   // the pose is that of a search, and not confirmed yet
     int boosted;                     // frames for which the process noise stays raised
 
     bool starts() const { return state == STATE_INITIALIZING && confirmed == 0; }
@@ -109,7 +115,11 @@ private:
 
     // METHOD_FULL
     bool startFull(int tool);
+    bool searchFull(int tool);
+    bool beginAnew(int tool, int first, int last);
+    void fit(int tool, const std::vector<PartMatch>& inliers);
     bool measureFull(int tool, const TemplateSet* ahead);
+    void concludeFull(TrackedTool& tool, bool seen);
     int addPoints(TrackedTool& tool);
     int correctPoints(TrackedTool& tool);
     void sampleContours(int tool, const TemplateSet* ahead);

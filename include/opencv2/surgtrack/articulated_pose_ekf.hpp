@@ -85,6 +85,9 @@ public:
     virtual bool solve() = 0;
     //! @}
 
+    //! Makes another filter of the same tool what this one is.
+    virtual void copyTo(ArticulatedPoseEKF& other) const = 0;
+
     virtual const ToolView& view() const = 0;               //!< the tool as it is believed to be
     virtual Matx44d correction() const = 0;                 //!< camera_T_nominal
     virtual const std::vector<double>& offsets() const = 0; //!< one per coordinate, to be added to the reading [rad or m]
