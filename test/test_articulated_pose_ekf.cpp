@@ -148,6 +148,16 @@ std::vector<double> wristOffsets(double q4, double q5, double q6, double jaw)
     return std::vector<double>(values, values + 7);
 }
 
+// A point every three pixels.
+std::vector<ContourPoint> outlineOf(const CameraModel& camera, const Matx44d& camera_T_base, const std::vector<double>& joints)
+{
+    ToolContour::Params params;
+    params.spacing = 3;
+    params.maxPoints = 400;
+    static const Ptr<ToolContour> contour = ToolContour::create(needleDriver(), params);
+    return contour->sampleTool(camera, camera_T_base, joints);
+}
+
 bool sameView(const ToolView& a, const ToolView& b)
 {
     bool same = cv::norm(a.camera_T_base - b.camera_T_base, NORM_INF) == 0 && a.base_T_link.size() == b.base_T_link.size();
@@ -320,12 +330,11 @@ TEST(SurgTrack_ArticulatedEKF, recoversCorrectionAndOffsetsFromContours)
         const Bench bench(tool, motionAbout(Point3d(0, 0, 0.1), randomDirection(rng) * 0.5 * DEGREE, randomDirection(rng) * 0.001),
                           wristOffsets(0.005, -0.005, 0.004, 0.006));
         Ptr<ArticulatedPoseEKF> filter = bench.filter(params);
-        Ptr<ToolContour> contour = ToolContour::create(tool.model);
         filter->predict(bench.readings());
         std::vector<ContourPoint> outlines[2];
         for (int eye = 0; eye < 2; eye++)
         {
-            outlines[eye] = contour->sampleTool(cameras[eye], eyes[eye] * filter->view().camera_T_base, bench.readings());
+            outlines[eye] = outlineOf(cameras[eye], eyes[eye] * filter->view().camera_T_base, bench.readings());
             ASSERT_GT(outlines[eye].size(), 100u);
         }
         for (int pass = 0; pass < 12; pass++)
@@ -411,6 +420,31 @@ TEST(SurgTrack_ArticulatedEKF, undoTakesBackAllSinceThePrediction)
     }
     EXPECT_FALSE((filter->begin(), filter->solve()));   // nothing was added
     EXPECT_EQ(offsets, filter->offsets());
+}
+
+TEST(SurgTrack_ArticulatedEKF, aCopyGoesOnAsTheOriginalDoes)
+{
+    const CameraModel camera = endoscope();
+    const Bench bench(PosedTool(0.1), motionAbout(Point3d(0, 0, 0.1), Vec3d(0.01, 0.02, -0.01), Vec3d(0.001, -0.001, 0.002)), wristOffsets(0.02, 0.01, -0.02, 0.01));
+    Ptr<ArticulatedPoseEKF> filter = bench.filter(), copy = bench.filter();
+    filter->predict(bench.readings());
+    ASSERT_TRUE(correct(*filter, camera, bench.parts, bench.seen(camera)));
+    copy->predict(joints(bench.tool, 0, 0, 0, 0));
+    filter->copyTo(*copy);
+    for (int step = 0; step < 4; step++)
+    {
+        EXPECT_TRUE(sameView(filter->view(), copy->view())) << step;
+        EXPECT_EQ(filter->offsets(), copy->offsets()) << step;
+        EXPECT_EQ(filter->nis(), copy->nis()) << step;
+        EXPECT_EQ(0, cvtest::norm(filter->covariance(), copy->covariance(), NORM_INF)) << step;
+        for (ArticulatedPoseEKF* f : {filter.get(), copy.get()})
+        {
+            if (step == 0) correct(*f, camera, bench.parts, bench.seen(camera));
+            else if (step == 1) f->undo();
+            else f->predict(bench.readings());
+        }
+    }
+    EXPECT_ERROR(filter->copyTo(*ArticulatedPoseEKF::create(ToolModel::needleDriver(), Matx44d::eye())), "other");
 }
 
 TEST(SurgTrack_ArticulatedEKF, aRepeatedCorrectionTakesThePlaceOfTheOneBefore)
@@ -679,9 +713,11 @@ TEST(SurgTrack_ArticulatedEKF, edgesBeyondTheToleranceAreLeftOut)
 {
     const CameraModel camera = endoscope();
     const Bench bench(PosedTool(0.1));
-    Ptr<ArticulatedPoseEKF> filter = bench.filter();
+    ArticulatedPoseEKF::Params params;
+    params.contourNoise = 1;
+    Ptr<ArticulatedPoseEKF> filter = bench.filter(params);
     filter->predict(bench.readings());
-    std::vector<ContourPoint> points = ToolContour::create(bench.tool.model)->sampleTool(camera, filter->view().camera_T_base, bench.readings());
+    std::vector<ContourPoint> points = outlineOf(camera, filter->view().camera_T_base, bench.readings());
     ASSERT_GT(points.size(), 100u);
     for (size_t i = 0; i < points.size(); i++)
     {
