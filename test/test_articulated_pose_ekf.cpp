@@ -323,7 +323,7 @@ TEST(SurgTrack_ArticulatedEKF, recoversCorrectionAndOffsetsFromContours)
     params.contourCorrelation = 1;
     const CameraModel cameras[] = {endoscope(), endoscope(false)};
     const Matx44d eyes[] = {SAME_EYE, rightEye()};
-    for (int run = 0; run < 6; run++)
+    for (int run = 0; run < 3; run++)
     {
         RNG rng(13 + run);
         const PosedTool tool(0.1, 0.3 + run, 1.1, 0.35);

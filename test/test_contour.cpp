@@ -69,14 +69,22 @@ struct Silhouette
 {
     enum { FINER = 8 };
 
-    Silhouette(const CameraModel& _camera, const ToolView& view) : camera(_camera)
+    // Drawn around the points only.
+    Silhouette(const CameraModel& _camera, const ToolView& view, const std::vector<ContourPoint>& points) : camera(_camera)
     {
         const Size size = camera.imageSize();
         const Rect2d field = camera.fieldOfView(Rect(Point(), size));
         const double f = FINER * std::max(camera.fx, camera.fy);
         const Size fine(cvCeil(f * field.width), cvCeil(f * field.height));
         pinhole = CameraModel(Matx33d(f, 0, -f * field.x, 0, f, -f * field.y, 0, 0, 1), noArray(), fine);
-        draw(pinhole, Rect(Point(), fine), std::vector<ToolView>(1, view), rendering);
+        Rect2d box;
+        for (const ContourPoint& c : points)
+        {
+            const Point2d ray = lineAlong(c).at;
+            const Rect2d at(f * (ray.x - field.x) - 5 * FINER, f * (ray.y - field.y) - 5 * FINER, 10 * FINER, 10 * FINER);
+            box = box.empty() ? at : box | at;
+        }
+        draw(pinhole, Rect(box) & Rect(Point(), fine), std::vector<ToolView>(1, view), rendering);
     }
 
     // Image points on a line, as the fine drawing has them; the lens bends it by less than 1e-3 pixels in a few.
@@ -98,7 +106,7 @@ struct Silhouette
     bool covers(const Line& line, double t) const
     {
         const Point2d ray = line.at + t * line.step;
-        const Point at(cvRound(pinhole.fx * ray.x + pinhole.cx), cvRound(pinhole.fy * ray.y + pinhole.cy));
+        const Point at = Point(cvRound(pinhole.fx * ray.x + pinhole.cx), cvRound(pinhole.fy * ray.y + pinhole.cy)) - rendering.window.tl();
         return Rect(Point(), rendering.ids.size()).contains(at) && rendering.ids.at<uchar>(at) != 0;
     }
 
@@ -159,7 +167,7 @@ TEST(SurgTrack_Contour, pointsLieOnTheSilhouetteOfADrawingEightTimesFinerAndNorm
         {
             const std::vector<ContourPoint> points = sampled(camera, tools[i]);
             ASSERT_GE(points.size(), 200u);
-            const Silhouette truth(camera, tools[i].view);
+            const Silhouette truth(camera, tools[i].view, points);
             for (const ContourPoint& c : points)
             {
                 EXPECT_NEAR(1, cv::norm(c.normal), 1e-12);   // rounding
@@ -350,7 +358,7 @@ TEST(SurgTrack_Contour, placedPointsAreTheOutlineOfANearbyView)
         moved.place();
         placeContour(camera, moved.view, points);
         dropped += int(before - points.size());
-        const Silhouette truth(camera, moved.view);
+        const Silhouette truth(camera, moved.view, points);
         for (const ContourPoint& c : points) offsets.add(truth.offset(c));
 
         // Back again: what it was, but for rounding.
@@ -384,14 +392,14 @@ TEST(SurgTrack_Contour, placedPointsThatAreNotInFrontAreDropped)
 TEST(SurgTrack_Contour, creasesAreSharpEdgesInsideTheOutline)
 {
     const CameraModel camera = endoscope();
+    const PosedTool tool(0.1, 0.3, 1.1, 0.35);
+    const Silhouette truth(camera, tool.view, sampled(camera, tool));
     size_t before = 0;
     const double angles[] = {0, 1.2, 0.6};   // [rad]
     for (double angle : angles)
     {
         ToolContour::Params params = dense();
         params.creaseAngle = angle;
-        const PosedTool tool(0.1, 0.3, 1.1, 0.35);
-        const Silhouette truth(camera, tool.view);
         size_t creases = 0, outline = 0, inside = 0;
         for (const ContourPoint& c : ToolContour::create(tool.model, params)->sampleTool(camera, tool.view.camera_T_base, tool.joints))
         {
