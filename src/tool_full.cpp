@@ -47,6 +47,7 @@ const double clearSimilarity = 0.8, noiseOfDissimilarity = 4;
 // A push of the camera, or a slip: the constant state is no longer believed.
 const double pushRotation = CV_PI / 180, pushTranslation = 0.002;   // [rad], [m]
 const int pushedFrames = 10;
+const int settlingFrames = 15;         // after a first pose, which may be the wrong one of two that look alike in one frame
 const double pushedSimilarity = 0.55;  // of all points that agree
 const double pushedNis = 0.75;         // of points, per degree of freedom
 const double pushedLikelihood = 2;     // logarithm of the ratio; 99 of 100 frames without a push have less than 1
@@ -244,7 +245,11 @@ bool ToolTrackerImpl::beginAnew(int index, int first, int last)
     {
         if (k > 0) tool.before->copyTo(*tool.full);
         fit(index, best[k].inliers);
-        if (evidence(tool) >= startEvidence && int(tool.inliers.size()) > minPoints && plausible(tool, tool.full->correction())) return true;
+        if (evidence(tool) >= startEvidence && int(tool.inliers.size()) > minPoints && plausible(tool, tool.full->correction()))
+        {
+            tool.boosted = settlingFrames;
+            return true;
+        }
     }
     tool.before->copyTo(*tool.full);
     tool.inliers.clear();
