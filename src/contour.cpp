@@ -9,22 +9,27 @@ namespace cv { namespace surgtrack {
 
 ContourPoint::ContourPoint() : link(-1), crease(false), found(false), offset(0), deviation(0), strength(0) {}
 
-ToolContour::Params::Params() : spacing(3), maxPoints(400), creaseAngle(0) {}
+ToolContour::Params::Params() : spacing(5), maxPoints(200), creaseAngle(0) {}
 
 namespace {
 
-// An edge of a mesh with the one or two triangles beside it.
-struct MeshEdge
+// The one or two triangles beside an edge.
+struct EdgeFaces
+{
+    int first, second;   // second < 0: border
+};
+
+struct EdgeLine
 {
     Point3f a, b;
-    int face[2];    // face[1] < 0: border
     bool sharp;
 };
 
 struct MeshEdges
 {
     std::vector<float> nx, ny, nz, d;   // planes of the triangles: n . p = d
-    std::vector<MeshEdge> edges;
+    std::vector<EdgeFaces> faces;       // of each edge
+    std::vector<EdgeLine> lines;
 };
 
 struct ByPosition
@@ -41,7 +46,7 @@ MeshEdges findEdges(const Mesh& mesh, double creaseAngle)
     for (size_t i = 0; i < mesh.vertices.size(); i++)
         point[i] = points.insert(std::make_pair(mesh.vertices[i], int(points.size()))).first->second;
     std::map<std::pair<int, int>, int> edgeOf;
-    std::vector<int> faces;   // of an edge
+    std::vector<int> count;   // of the triangles at an edge
     for (size_t i = 0; i < mesh.triangles.size(); i++)
     {
         const Vec3i& t = mesh.triangles[i];
@@ -60,26 +65,27 @@ MeshEdges findEdges(const Mesh& mesh, double creaseAngle)
             int a = point[t[j]], b = point[t[(j + 1) % 3]];
             if (a > b) std::swap(a, b);
             const std::pair<std::map<std::pair<int, int>, int>::iterator, bool> at =
-                edgeOf.insert(std::make_pair(std::make_pair(a, b), int(result.edges.size())));
+                edgeOf.insert(std::make_pair(std::make_pair(a, b), int(result.lines.size())));
             if (at.second)
             {
-                const MeshEdge edge = {mesh.vertices[t[j]], mesh.vertices[t[(j + 1) % 3]], {face, -1}, false};
-                result.edges.push_back(edge);
-                faces.push_back(1);
+                const EdgeFaces edge = {face, -1};
+                const EdgeLine line = {mesh.vertices[t[j]], mesh.vertices[t[(j + 1) % 3]], false};
+                result.faces.push_back(edge);
+                result.lines.push_back(line);
+                count.push_back(1);
                 continue;
             }
-            MeshEdge& edge = result.edges[at.first->second];
-            // Where more than two triangles meet it is seen as one that two of them make, if any.
-            if (++faces[at.first->second] == 2) edge.face[1] = face;
+            // Of more than two triangles that meet the first two make the edge.
+            const int i2 = at.first->second;
+            if (++count[i2] == 2) result.faces[i2].second = face;
         }
     }
     if (creaseAngle > 0)
-        for (size_t i = 0; i < result.edges.size(); i++)
+        for (size_t i = 0; i < result.lines.size(); i++)
         {
-            MeshEdge& e = result.edges[i];
-            if (e.face[1] < 0) continue;
-            const int f = e.face[0], g = e.face[1];
-            e.sharp = result.nx[f] * result.nx[g] + result.ny[f] * result.ny[g] + result.nz[f] * result.nz[g] < std::cos(creaseAngle);
+            const int f = result.faces[i].first, g = result.faces[i].second;
+            if (g < 0) continue;
+            result.lines[i].sharp = result.nx[f] * result.nx[g] + result.ny[f] * result.ny[g] + result.nz[f] * result.nz[g] < std::cos(creaseAngle);
         }
     return result;
 }
@@ -167,6 +173,7 @@ bool clip(const Rect2d& field, Point3d& p, Point3d& q, Point3f& a, Point3f& b)
 void ToolContourImpl::collect(const CameraModel& camera, const ToolView& view, const Rect2d& field)
 {
     segments_.clear();
+    const bool creases = params_.creaseAngle > 0;
     const std::vector<ToolModel::Link>& links = model_->links();
     for (size_t l = 0; l < links.size(); l++)
     {
@@ -179,12 +186,12 @@ void ToolContourImpl::collect(const CameraModel& camera, const ToolView& view, c
         facing_.resize(std::max(facing_.size(), faces));
         uchar* facing = facing_.data();
         for (size_t i = 0; i < faces; i++) facing[i] = mesh.nx[i] * ex + mesh.ny[i] * ey + mesh.nz[i] * ez > mesh.d[i];
-        for (size_t i = 0; i < mesh.edges.size(); i++)
+        for (size_t i = 0; i < mesh.faces.size(); i++)
         {
-            const MeshEdge& e = mesh.edges[i];
-            const bool border = e.face[1] < 0;
-            const bool outline = border || facing[e.face[0]] != facing[e.face[1]];
-            if (!outline && !(e.sharp && facing[e.face[0]])) continue;
+            const EdgeFaces& f = mesh.faces[i];
+            const bool outline = f.second < 0 || facing[f.first] != facing[f.second];
+            if (!outline && !(creases && facing[f.first] && mesh.lines[i].sharp)) continue;
+            const EdgeLine& e = mesh.lines[i];
             Segment s;
             s.a = e.a;
             s.b = e.b;
@@ -193,7 +200,8 @@ void ToolContourImpl::collect(const CameraModel& camera, const ToolView& view, c
             if (!clip(field, s.p, s.q, s.a, s.b)) continue;
             s.link = int(l);
             s.crease = !outline;
-            s.length = std::hypot(camera.fx * (s.p.x / s.p.z - s.q.x / s.q.z), camera.fy * (s.p.y / s.p.z - s.q.y / s.q.z));
+            const double u = camera.fx * (s.p.x / s.p.z - s.q.x / s.q.z), v = camera.fy * (s.p.y / s.p.z - s.q.y / s.q.z);
+            s.length = std::sqrt(u * u + v * v);
             segments_.push_back(s);
         }
     }

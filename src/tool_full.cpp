@@ -41,11 +41,15 @@ const double supportWindow = 6, supportedWithin = 1.5;   // where edges are look
 const double maxContourShift = 6;      // [pixel at 720 px image width]
 const double maxContourTurn = 0.05;    // [rad]
 
+// Points that look less like their templates are placed less well.
+const double clearSimilarity = 0.8, noiseOfDissimilarity = 4;
+
 // A push of the camera, or a slip: the constant state is no longer believed.
 const double pushRotation = CV_PI / 180, pushTranslation = 0.002;   // [rad], [m]
 const int pushedFrames = 10;
+const double pushedSimilarity = 0.55;  // of all points that agree
 const double pushedNis = 0.75;         // of points, per degree of freedom
-const double pushedLikelihood = 15;    // logarithm of the ratio, of contours
+const double pushedLikelihood = 2;     // logarithm of the ratio; 99 of 100 frames without a push have less than 1
 
 } // namespace
 
@@ -65,12 +69,14 @@ int ToolTrackerImpl::addPoints(TrackedTool& tool)
         Eye& eye = eyes_[e];
         parts_.clear();
         imagePoints_.clear();
+        noise_.clear();
         for (size_t i = 0; i < eye.inliers.size(); i++)
         {
+            noise_.push_back(1 + noiseOfDissimilarity * std::max(0., clearSimilarity - eye.inliers[i].similarity));
             parts_.push_back(eye.inliers[i].part);
             imagePoints_.push_back(eye.inliers[i].imagePoint);
         }
-        passed += tool.full->addPoints(eye.camera, eye.eye_T_camera, parts_, imagePoints_, used_);
+        passed += tool.full->addPoints(eye.camera, eye.eye_T_camera, parts_, imagePoints_, noise_, used_);
         if (e > 0) continue;
         tool.inliers.clear();
         for (size_t i = 0; i < used_.size(); i++)
@@ -108,11 +114,12 @@ void ToolTrackerImpl::sampleContours(int index, const TemplateSet* ahead)
     }
 }
 
-static ToolView seenFrom(const Eye& eye, const ToolView& view)
+// The tool as it is believed to be, in the frame of the eye.
+const ToolView& ToolTrackerImpl::seenFrom(const Eye& eye, const TrackedTool& tool)
 {
-    ToolView result = view;
-    result.camera_T_base = eye.eye_T_camera * view.camera_T_base;
-    return result;
+    seen_ = tool.full->view();
+    seen_.camera_T_base = eye.eye_T_camera * seen_.camera_T_base;
+    return seen_;
 }
 
 // Edges on the normals of all eyes' outlines, taken in three times. Returns the log likelihood ratio of a push.
@@ -129,9 +136,9 @@ double ToolTrackerImpl::refine(TrackedTool& tool, int firstPass)
         for (size_t e = 0; e < open_; e++)
         {
             Eye& eye = eyes_[e];
-            placeContour(eye.camera, seenFrom(eye, tool.full->view()), eye.outline);
+            placeContour(eye.camera, seenFrom(eye, tool), eye.outline);
             matchContour(eye.pixels(), eye.outline, search);
-            tool.full->addContour(eye.camera, eye.eye_T_camera, eye.outline, tolerances[pass] * pixelScale_);
+            if (params_.contours) tool.full->addContour(eye.camera, eye.eye_T_camera, eye.outline, tolerances[pass] * pixelScale_);
         }
         if (pass == firstPass) likelihood = tool.full->surprise(pushRotation / 2, pushTranslation / 2);
         tool.full->solve();
@@ -151,7 +158,7 @@ double ToolTrackerImpl::support(const TrackedTool& tool)
     for (size_t e = 0; e < open_; e++)
     {
         Eye& eye = eyes_[e];
-        placeContour(eye.camera, seenFrom(eye, tool.full->view()), eye.outline);
+        placeContour(eye.camera, seenFrom(eye, tool), eye.outline);
         matchContour(eye.pixels(), eye.outline, search);
         all += int(eye.outline.size());
         for (size_t i = 0; i < eye.outline.size(); i++)
@@ -277,6 +284,32 @@ bool ToolTrackerImpl::searchFull(int index)
     return found;
 }
 
+/* Points, then contours, from the filter's prediction. ahead: where the outline was drawn, if not in this frame
+   Returns whether all this, with a push before, is that much likelier than without. */
+bool ToolTrackerImpl::correctFull(int index, const TemplateSet* ahead)
+{
+    TrackedTool& tool = tools_[index];
+    const std::vector<PartMatch>& matches = eyes_[0].inliers;
+    const int passed = correctPoints(tool);
+    bool pushed = int(matches.size()) > minPoints && meanSimilarity(matches) > pushedSimilarity
+                  && (2 * passed < int(matches.size()) || tool.nis > pushedNis);
+    if (passed < minPoints)   // the outline alone may do
+    {
+        tool.full->undo();
+        tool.inliers.clear();
+        tool.nis = 0;
+    }
+    tool.points = passed >= minPoints;
+    sampleContours(index, ahead);
+    if (movedSince(index, ahead ? ahead->views : eyes_[0].views))
+    {
+        views_[index] = tool.full->view();
+        for (size_t e = 0; e < open_; e++) draw(index, eyes_[e]);
+        sampleContours(index, 0);
+    }
+    return refine(tool, trackPass) > pushedLikelihood || pushed;
+}
+
 bool ToolTrackerImpl::measureFull(int index, const TemplateSet* ahead)
 {
     TrackedTool& tool = tools_[index];
@@ -287,39 +320,29 @@ bool ToolTrackerImpl::measureFull(int index, const TemplateSet* ahead)
         locate(index, eyes_[e], templates, params_.minWindow * pixelScale_, false);
         if (e == 0) tool.visibleParts = int(templates.size());
     }
-    tool.contourSupport = 0;
-    int passed = correctPoints(tool);
-    const std::vector<PartMatch>& matches = eyes_[0].inliers;
-    if (matches.size() >= 5 && meanSimilarity(matches) > 0.55 && (2 * passed < int(matches.size()) || tool.full->nis() > pushedNis))
+    if (correctFull(index, ahead) && params_.adaptation)
     {
+        // A push is believed if it explains what is seen better.
+        tool.full->copyTo(*tool.before);
+        tool.inliersBefore = tool.inliers;
+        const double without = evidence(tool), support = tool.contourSupport, nis = tool.nis;
+        const bool points = tool.points;
         tool.full->inflate(pushRotation, pushTranslation);
-        tool.boosted = pushedFrames;
-        passed = correctPoints(tool);
+        correctFull(index, ahead);
+        if (evidence(tool) > without) tool.boosted = pushedFrames;
+        else
+        {
+            tool.before->copyTo(*tool.full);
+            tool.inliers = tool.inliersBefore;
+            tool.contourSupport = support;
+            tool.nis = nis;
+            tool.points = points;
+        }
     }
-    if (passed < minPoints)   // the outline alone may do
-    {
-        tool.full->undo();
-        tool.inliers.clear();
-        for (size_t e = 0; e < open_; e++) eyes_[e].inliers.clear();
-        if (tool.state != STATE_TRACKING && tool.state != STATE_COASTING) return false;
-    }
-    sampleContours(index, ahead);
-    if (movedSince(index, ahead ? ahead->views : eyes_[0].views))
-    {
-        views_[index] = tool.full->view();
-        for (size_t e = 0; e < open_; e++) draw(index, eyes_[e]);
-        sampleContours(index, 0);
-    }
-    if (refine(tool, trackPass) > pushedLikelihood && passed >= minPoints)
-    {
-        tool.full->inflate(pushRotation / 2, pushTranslation / 2);
-        tool.boosted = std::max(tool.boosted, 3);
-        correctPoints(tool);
-        refine(tool, trackPass);
-    }
-    // A first pose that is to be confirmed, and one after a gap, need more.
+    // A first pose that is to be confirmed, and one after a gap, need more; an outline alone only continues.
     const bool follows = tool.state == STATE_TRACKING;
-    const bool seen = passed >= minPoints ? evidence(tool) >= (follows ? trackEvidence : startEvidence) : tool.contourSupport >= outlineAlone;
+    const bool seen = tool.points ? evidence(tool) >= (follows ? trackEvidence : startEvidence)
+                                  : (follows || tool.state == STATE_COASTING) && tool.contourSupport >= outlineAlone;
     if (seen && plausible(tool, tool.full->correction())) return true;
     tool.full->undo();
     tool.inliers.clear();

@@ -20,7 +20,7 @@ ToolEstimate::ToolEstimate()
 }
 
 ToolTracker::Params::Params()
-    : method(METHOD_PAPER), initialWindow(0.014), minWindow(30), minInitialInliers(6), minInitialSimilarity(0.65), confirmFrames(1), coastingTime(2), seed(1)
+    : method(METHOD_FULL), jointOffsets(true), contours(true), adaptation(true), initialWindow(0.014), minWindow(30), minInitialInliers(6), minInitialSimilarity(0.65), confirmFrames(1), coastingTime(2), seed(1)
 {
 }
 
@@ -30,6 +30,9 @@ namespace {
 
 // Gradients of a pixel reach so far: blur 3, Sobel and vote 1 each.
 const int gradientReach = 5;
+
+// For some frames after a push Q is larger: 0.3 degrees, 0.9 mm.
+const double pushedGrowth = 3;
 
 // Of a first pose; the outline tells the rest.
 const int minFullInliers = 4;
@@ -127,6 +130,7 @@ int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal
     if (params_.method == METHOD_FULL)
     {
         ArticulatedPoseEKF::Params full;
+        full.jointOffsets = params_.jointOffsets;
         full.pointNoise *= pixelScale_;
         full.contourNoise *= pixelScale_;
         tool.full = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
@@ -145,6 +149,7 @@ int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal
     windows_.reserve(parts);
     predicted_.reserve(parts);
     parts_.reserve(parts);
+    noise_.reserve(parts);
     nominalPoints_.reserve(parts);
     imagePoints_.reserve(parts);
     used_.reserve(parts);
@@ -167,7 +172,7 @@ void ToolTrackerImpl::reset(int tool)
         if (t.full) t.full->reset();
         t.contourSupport = 0;
         t.boosted = t.unseen = t.searches = 0;
-        t.searched = false;
+        t.searched = t.points = false;
         t.correction = t.trusted = Matx44d::eye();
         t.state = STATE_INITIALIZING;
         t.confirmed = 0;
@@ -215,8 +220,8 @@ void ToolTrackerImpl::placeTools(const std::vector<std::vector<double> >& joints
         TrackedTool& tool = tools_[i];
         if (tool.full)
         {
-            tool.full->predict(joints[i], tool.boosted > 0 ? 15 : 1);
-            tool.boosted = std::max(0, tool.boosted - 1);
+            tool.full->copyTo(*tool.spare);
+            tool.full->predict(joints[i], tool.boosted > 0 ? pushedGrowth : 1);
             views_[i] = tool.full->view();
         }
         else
@@ -410,7 +415,16 @@ void ToolTrackerImpl::updateEyes(double time, const std::vector<std::vector<doub
         const TemplateSet* ahead = 0;
         {
             StageTimer renderTimer(times_, RENDER);
-            ahead = drawnAhead();
+            try
+            {
+                ahead = drawnAhead();
+            }
+            catch (...)   // of the second thread; as if this frame had not been
+            {
+                for (size_t i = 0; i < tools_.size(); i++)
+                    if (tools_[i].full) tools_[i].spare->copyTo(*tools_[i].full);
+                throw;
+            }
         }
         time_ = time;
         for (int i = 0; i < int(tools_.size()); i++)
@@ -418,6 +432,7 @@ void ToolTrackerImpl::updateEyes(double time, const std::vector<std::vector<doub
             TrackedTool& tool = tools_[i];
             if (tool.full)
             {
+                tool.boosted = std::max(0, tool.boosted - 1);
                 bool seen = tool.starts() ? startFull(i) : measureFull(i, ahead);
                 if (!seen && !tool.starts()) seen = searchFull(i);
                 concludeFull(tool, seen);

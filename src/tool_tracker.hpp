@@ -60,6 +60,8 @@ struct TrackedTool
     Ptr<ArticulatedPoseEKF> sure;    // it, as it was when the tool was last tracked
     Ptr<ToolContour> contour;
     double contourSupport;
+    bool points;                     // whether parts went into the pose, not only the outline
+    std::vector<PartMatch> inliersBefore;   // memory
     int unseen;                      // consecutive frames without a measurement
     int searches;                    // since the tool was last seen
     bool searched;                   // the pose is that of a search, and not confirmed yet
@@ -118,12 +120,14 @@ private:
     bool searchFull(int tool);
     bool beginAnew(int tool, int first, int last);
     void fit(int tool, const std::vector<PartMatch>& inliers);
+    bool correctFull(int tool, const TemplateSet* ahead);
     bool measureFull(int tool, const TemplateSet* ahead);
     void concludeFull(TrackedTool& tool, bool seen);
     int addPoints(TrackedTool& tool);
     int correctPoints(TrackedTool& tool);
     void sampleContours(int tool, const TemplateSet* ahead);
     double refine(TrackedTool& tool, int firstPass);
+    const ToolView& seenFrom(const Eye& eye, const TrackedTool& tool);
     double support(const TrackedTool& tool);
     bool movedSince(int tool, const std::vector<ToolView>& drawn) const;
 
@@ -146,6 +150,8 @@ private:
     std::vector<Point3d> nominalPoints_;
     std::vector<Point2d> imagePoints_;
     std::vector<int> parts_;
+    std::vector<double> noise_;
+    ToolView seen_;
     std::vector<uchar> used_;
 
     Ptr<RenderAhead> ahead_;   // made by the first renderAhead()

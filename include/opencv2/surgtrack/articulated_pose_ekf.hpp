@@ -34,6 +34,7 @@ public:
         CV_PROP_RW double gate;                 //!< points with a larger squared Mahalanobis distance are left out; 13.8 = 99.9 % of chi-square with 2 dof
         CV_PROP_RW int minPoints;               //!< with fewer points inside the gate nothing is updated
         CV_PROP_RW double contourNoise;         //!< standard deviation of an edge along its normal [pixel]
+        CV_PROP_RW bool jointOffsets;           //!< whether the readings may have offsets
         CV_PROP_RW double contourCorrelation;   //!< so many neighbouring contour points tell as much as one
     };
 
@@ -63,10 +64,11 @@ public:
     @param eye_T_camera the camera frame of the state in that of this camera; unit if it is the same
     @param parts keypoint indices
     @param imagePoints where they were found [pixel]
+    @param noise factor on Params::pointNoise, one each
     @param used 1 where the point passed the gate
     @return how many passed */
     virtual int addPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
-                          const std::vector<Point2d>& imagePoints, std::vector<uchar>& used) = 0;
+                          const std::vector<Point2d>& imagePoints, const std::vector<double>& noise, std::vector<uchar>& used) = 0;
 
     /** @brief Edges on the normals of a contour.
     @param camera that saw them

@@ -39,8 +39,8 @@ public:
     struct CV_EXPORTS_W_SIMPLE Params
     {
         CV_WRAP Params();
-        CV_PROP_RW double spacing;      //!< distance of the points [pixel]; default 3: nearer ones tell the same
-        CV_PROP_RW int maxPoints;       //!< more than these are thinned out; default 400
+        CV_PROP_RW double spacing;      //!< distance of the points [pixel]; default 5: nearer ones tell the same
+        CV_PROP_RW int maxPoints;       //!< more than these are thinned out; default 200
         CV_PROP_RW double creaseAngle;  //!< edges sharper than this are creases [rad]; 0 = no creases
     };
 

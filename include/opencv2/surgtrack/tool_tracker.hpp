@@ -83,7 +83,10 @@ public:
     struct CV_EXPORTS_W_SIMPLE Params
     {
         CV_WRAP Params();
-        CV_PROP_RW int method;                 //!< see cv::surgtrack::TrackingMethod
+        CV_PROP_RW int method;                 //!< see cv::surgtrack::TrackingMethod; default METHOD_FULL
+        CV_PROP_RW bool jointOffsets;          //!< METHOD_FULL: joint readings may be wrong by offsets, which are estimated
+        CV_PROP_RW bool contours;              //!< METHOD_FULL: edges on outlines go into the pose
+        CV_PROP_RW bool adaptation;            //!< METHOD_FULL: a push of the camera is noticed and followed
         CV_PROP_RW double initialWindow;       //!< half-width of the search window before the first pose [m on the tool]
         CV_PROP_RW double minWindow;           //!< smallest half-width of the search window while tracking [pixel at 720 px width]
         CV_PROP_RW int minInitialInliers;      //!< matches needed for a first pose (paper's release: more than 6)
