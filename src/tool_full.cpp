@@ -76,7 +76,7 @@ int ToolTrackerImpl::addPoints(TrackedTool& tool)
             parts_.push_back(eye.inliers[i].part);
             imagePoints_.push_back(eye.inliers[i].imagePoint);
         }
-        passed += tool.full->addPoints(eye.camera, eye.eye_T_camera, parts_, imagePoints_, noise_, used_);
+        passed += tool.full->addPoints(eye.camera, eye.eye_T_camera, parts_, imagePoints_, used_, noise_);
         if (e > 0) continue;
         tool.inliers.clear();
         for (size_t i = 0; i < used_.size(); i++)
