@@ -7,13 +7,16 @@
 #ifdef HAVE_OPENCV_SURGTRACK
 #include "opencv2/surgtrack.hpp"
 
+typedef cv::surgtrack::ArticulatedPoseEKF::Params ArticulatedPoseEKF_Params;
 typedef cv::surgtrack::GeometricContextVerifier::Params GeometricContextVerifier_Params;
 typedef cv::surgtrack::PartTemplateRenderer::Params PartTemplateRenderer_Params;
 typedef cv::surgtrack::QGOMatcher::Params QGOMatcher_Params;
 typedef cv::surgtrack::SyntheticScene::Params SyntheticScene_Params;
+typedef cv::surgtrack::ToolContour::Params ToolContour_Params;
 typedef cv::surgtrack::ToolPoseEKF::Params ToolPoseEKF_Params;
 typedef cv::surgtrack::ToolTracker::Params ToolTracker_Params;
 
+typedef std::vector<cv::surgtrack::ContourPoint> vector_ContourPoint;
 typedef std::vector<cv::surgtrack::PartMatch> vector_PartMatch;
 typedef std::vector<cv::surgtrack::PartTemplate> vector_PartTemplate;
 typedef std::vector<cv::surgtrack::StageTime> vector_StageTime;

@@ -59,7 +59,7 @@ struct CV_EXPORTS_W_SIMPLE StageTime
 {
     CV_WRAP StageTime();
 
-    CV_PROP String name;   //!< `render`, `image`, `match`, `verify`, `filter` or `total`, all of update()
+    CV_PROP String name;   //!< `render`, `image`, `match`, `verify`, `filter`, `contour` or `total`, all of update()
     CV_PROP int calls;     //!< frames; without any, the times are 0
     CV_PROP double last;   //!< of the last frame [s]
     CV_PROP double mean;   //!< [s]
