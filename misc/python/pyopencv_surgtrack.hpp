@@ -11,9 +11,11 @@ typedef cv::surgtrack::GeometricContextVerifier::Params GeometricContextVerifier
 typedef cv::surgtrack::PartTemplateRenderer::Params PartTemplateRenderer_Params;
 typedef cv::surgtrack::QGOMatcher::Params QGOMatcher_Params;
 typedef cv::surgtrack::SyntheticScene::Params SyntheticScene_Params;
+typedef cv::surgtrack::ToolContour::Params ToolContour_Params;
 typedef cv::surgtrack::ToolPoseEKF::Params ToolPoseEKF_Params;
 typedef cv::surgtrack::ToolTracker::Params ToolTracker_Params;
 
+typedef std::vector<cv::surgtrack::ContourPoint> vector_ContourPoint;
 typedef std::vector<cv::surgtrack::PartMatch> vector_PartMatch;
 typedef std::vector<cv::surgtrack::PartTemplate> vector_PartTemplate;
 typedef std::vector<cv::surgtrack::StageTime> vector_StageTime;
