@@ -38,6 +38,26 @@ Matx33d exponential(const Vec3d& omega)
     return Matx33d::eye() + W * s + W * W * c;
 }
 
+void checkParams(const ArticulatedPoseEKF::Params& p)
+{
+    CV_Check(p.initialRotation, p.initialRotation > 0 && p.initialRotation < DBL_MAX, "Params::initialRotation must be positive");
+    CV_Check(p.initialTranslation, p.initialTranslation > 0 && p.initialTranslation < DBL_MAX, "Params::initialTranslation must be positive");
+    CV_Check(p.processRotation, p.processRotation >= 0 && p.processRotation < DBL_MAX, "Params::processRotation must not be negative");
+    CV_Check(p.processTranslation, p.processTranslation >= 0 && p.processTranslation < DBL_MAX, "Params::processTranslation must not be negative");
+    CV_Check(p.processJoint, p.processJoint >= 0 && p.processJoint < DBL_MAX, "Params::processJoint must not be negative");
+    CV_Check(p.pointNoise, p.pointNoise > 0 && p.pointNoise < DBL_MAX, "Params::pointNoise must be positive");
+    CV_Check(p.gate, p.gate < DBL_MAX, "Params::gate must be a number");
+    CV_Check(p.contourNoise, p.contourNoise > 0 && p.contourNoise < DBL_MAX, "Params::contourNoise must be positive");
+    CV_Check(p.contourCorrelation, p.contourCorrelation >= 1 && p.contourCorrelation < DBL_MAX, "Params::contourCorrelation must be 1 or more");
+}
+
+// Standard deviations that are added to P.
+void checkGrowth(double rotation, double translation)
+{
+    CV_Check(rotation, rotation >= 0 && rotation < DBL_MAX, "rotation must not be negative");
+    CV_Check(translation, translation >= 0 && translation < DBL_MAX, "translation must not be negative");
+}
+
 struct State
 {
     Matx44d correction;
@@ -112,6 +132,8 @@ ArticulatedPoseEKFImpl::ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, cons
     : model_(model), nominal_T_base_(nominal_T_base), params_(params)
 {
     CV_Assert(model);
+    CV_Assert(isRigid(nominal_T_base) && "nominal_T_base: rigid");
+    checkParams(params);
     deviations_ = model->offsetDeviations();
     if (!params.jointOffsets) std::fill(deviations_.begin(), deviations_.end(), 0.);
     const std::vector<ToolModel::Link>& links = model->links();
@@ -147,6 +169,7 @@ void ArticulatedPoseEKFImpl::reset()
     place();
     predicted_ = state_;
     moved_.setZero(n_);
+    begin();
 }
 
 // Poses of the links and axes of the joints, from readings and state. The centre stays.
@@ -180,6 +203,9 @@ void ArticulatedPoseEKFImpl::place()
 
 void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double growth)
 {
+    CV_CheckEQ(joints.size(), stateOf_.size(), "joints: one value per coordinate");
+    checkFinite(joints, "joints");
+    CV_Check(growth, growth >= 0 && growth < DBL_MAX, "growth must not be negative");
     joints_ = joints;
     place();
     const std::vector<ToolModel::Keypoint>& keypoints = model_->keypoints();
@@ -202,10 +228,12 @@ void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double g
         if (stateOf_[i] >= 0) state_.P(stateOf_[i], stateOf_[i]) += std::pow(params_.processJoint * deviations_[i], 2);
     predicted_ = state_;
     moved_.setZero(n_);
+    begin();
 }
 
 void ArticulatedPoseEKFImpl::inflate(double rotation, double translation)
 {
+    checkGrowth(rotation, translation);
     for (int i = 0; i < 3; i++)
     {
         predicted_.P(i, i) += rotation * rotation;
@@ -294,6 +322,13 @@ int ArticulatedPoseEKFImpl::addPoints(const CameraModel& camera, const Matx44d& 
                                       const std::vector<Point2d>& imagePoints, const std::vector<double>& noise, std::vector<uchar>& used)
 {
     CV_CheckEQ(parts.size(), imagePoints.size(), "one image point per part");
+    CV_Assert(isRigid(eye_T_camera) && "eye_T_camera: rigid");
+    for (size_t i = 0; i < parts.size(); i++)
+    {
+        CV_Check(parts[i], parts[i] >= 0 && parts[i] < int(model_->keypoints().size()), "parts: no such keypoint");
+        if (!(std::abs(imagePoints[i].x) < DBL_MAX && std::abs(imagePoints[i].y) < DBL_MAX))
+            CV_Error(Error::StsBadArg, format("imagePoints holds a value that is not finite, of part %d", parts[i]));
+    }
     used.assign(parts.size(), 0);
     CV_CheckEQ(parts.size(), noise.size(), "one factor of the noise per part");
     int passed = 0;
@@ -320,6 +355,13 @@ int ArticulatedPoseEKFImpl::addPoints(const CameraModel& camera, const Matx44d& 
 int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points,
                                        double tolerance)
 {
+    CV_Assert(isRigid(eye_T_camera) && "eye_T_camera: rigid");
+    CV_Check(tolerance, tolerance >= 0 && tolerance < DBL_MAX, "tolerance must not be negative");
+    for (size_t i = 0; i < points.size(); i++)
+    {
+        if (points[i].found && !(points[i].deviation > 0)) CV_Error(Error::StsBadArg, "points: an edge needs a positive deviation");
+        CV_Check(points[i].link, points[i].link >= 0 && points[i].link < int(axes_.size()), "points: of another tool, no such link");
+    }
     int passed = 0;
     for (size_t i = 0; i < points.size(); i++)
     {
@@ -331,7 +373,7 @@ int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d&
         const Vector g = (c.normal.x * H.row(0) + c.normal.y * H.row(1)).transpose();
         const double r = c.normal.dot(c.imagePoint + c.normal * c.offset - h);   // of the state; robust about it
         const double sigma2 = std::pow(params_.contourNoise * c.deviation, 2), scale = tolerance * tolerance;
-        if (r * r > 9 * (sigma2 + scale)) continue;
+        if (!(r * r <= 9 * (sigma2 + scale))) continue;
         const double w = 1 / (std::pow(1 + r * r / (4 * sigma2 + scale), 2) * sigma2 * params_.contourCorrelation);
         const double z = r + g.dot(moved_);
         A_.noalias() += w * g * g.transpose();
@@ -345,6 +387,7 @@ int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d&
 
 double ArticulatedPoseEKFImpl::surprise(double rotation, double translation) const
 {
+    checkGrowth(rotation, translation);
     Vector x, y;
     Matrix result, pushed = predicted_.P;
     for (int i = 0; i < 3; i++)
@@ -366,6 +409,9 @@ bool ArticulatedPoseEKFImpl::solve()
     const Vector step = x - moved_;
     apply(step);
     moved_ = x;
+    // Where the jaw met its stop the state is not at x.
+    for (size_t i = 0; i < stateOf_.size(); i++)
+        if (stateOf_[i] >= 0) moved_[stateOf_[i]] = state_.offsets[i] - predicted_.offsets[i];
     return true;
 }
 
@@ -390,6 +436,7 @@ Mat ArticulatedPoseEKFImpl::covariance() const
 
 Matx22d ArticulatedPoseEKFImpl::imageCovariance(const CameraModel& camera, const Matx44d& eye_T_camera, int part) const
 {
+    CV_Check(part, part >= 0 && part < int(model_->keypoints().size()), "part: no such keypoint");
     const ToolModel::Keypoint& keypoint = model_->keypoints()[part];
     Point2d h;
     Rows2 H;

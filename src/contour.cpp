@@ -7,7 +7,7 @@
 
 namespace cv { namespace surgtrack {
 
-ContourPoint::ContourPoint() : link(-1), crease(false), found(false), offset(0), strength(0), deviation(0) {}
+ContourPoint::ContourPoint() : link(-1), crease(false), found(false), offset(0), deviation(0), strength(0) {}
 
 ToolContour::Params::Params() : spacing(5), maxPoints(200), creaseAngle(0) {}
 
@@ -95,13 +95,29 @@ const double across = 0.8;          // so far from the edge the drawing tells wh
 const double depthSlack = 1e-3;    // [m]
 
 
+// Whether nothing is drawn in the pixels just outside of an outline's point. Edges of the tool less than a pixel inside of its
+// outline have background beside them too.
+bool isOutermost(const Mat& ids, const Point2d& point, const Point2d& normal)
+{
+    const double least = 0.05, most = 1.2, aside = 1;   // of pixel centres, along the normal and across [pixel]
+    const Point middle(cvRound(point.x), cvRound(point.y));
+    for (int y = middle.y - 1; y <= middle.y + 1; y++)
+        for (int x = middle.x - 1; x <= middle.x + 1; x++)
+        {
+            const Point2d d = Point2d(x, y) - point;
+            const double out = d.dot(normal);
+            if (ids.at<uchar>(y, x) && out > least && out < most && std::abs(d.cross(normal)) < aside) return false;
+        }
+    return true;
+}
+
 class ToolContourImpl CV_FINAL : public ToolContour
 {
 public:
     ToolContourImpl(const Ptr<ToolModel>& model, const Params& params) : model_(model), params_(params)
     {
         CV_Assert(model);
-        CV_CheckGT(params.spacing, 0., "Params::spacing must be positive");
+        CV_Check(params.spacing, params.spacing > 0 && params.spacing < DBL_MAX, "Params::spacing must be positive");
         CV_CheckGT(params.maxPoints, 0, "Params::maxPoints must be positive");
         CV_Check(params.creaseAngle, params.creaseAngle >= 0 && params.creaseAngle < CV_PI, "Params::creaseAngle must be in 0..pi");
         for (size_t i = 0; i < model->meshes().size(); i++) meshes_.push_back(findEdges(model->meshes()[i], params.creaseAngle));
@@ -198,6 +214,9 @@ void ToolContourImpl::sample(const CameraModel& camera, const ToolView& view, co
     points.clear();
     const Rect& window = rendering.window;
     if (window.empty()) return;
+    CV_Assert(rendering.ids.type() == CV_8UC1 && rendering.ids.size() == window.size() && "rendering.ids: CV_8UC1 of the window's size");
+    CV_Assert(rendering.depth.type() == CV_32FC1 && rendering.depth.size() == window.size() && "rendering.depth: CV_32FC1 of the window's size");
+    CV_Check(id, id >= 1 && id <= 255, "id must be 1..255");
     collect(camera, view, camera.fieldOfView(window));
     const Rect inside(1, 1, window.width - 2, window.height - 2);
     double spacing = params_.spacing, rest = spacing / 2;
@@ -238,6 +257,7 @@ void ToolContourImpl::sample(const CameraModel& camera, const ToolView& view, co
                 if ((flip ? ido : idn) != id) continue;
                 if (flip) c.normal = -c.normal;
                 inwards = flip;
+                if (!isOutermost(rendering.ids, local, c.normal)) continue;
                 if (p.z > rendering.depth.at<float>(flip ? o : n) + depthSlack * 3) continue;
             }
             c.link = s.link;
@@ -261,7 +281,7 @@ void ToolContourImpl::sample(const CameraModel& camera, const ToolView& view, co
 void placeContour(const CameraModel& camera, const ToolView& view, std::vector<ContourPoint>& points)
 {
     size_t kept = 0;
-    int link = -1;
+    int link = INT_MIN;
     Matx44d camera_T_link;
     for (size_t i = 0; i < points.size(); i++)
     {
@@ -269,6 +289,7 @@ void placeContour(const CameraModel& camera, const ToolView& view, std::vector<C
         if (c.link != link)
         {
             link = c.link;
+            CV_Check(link, link >= 0 && link < int(view.base_T_link.size()), "points: of another tool, no such link");
             camera_T_link = view.camera_T_base * view.base_T_link[link];
         }
         const Point3d p = transform(camera_T_link, c.linkPoint);

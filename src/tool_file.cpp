@@ -142,7 +142,7 @@ ToolModel::Link parseLink(const TracedNode& node, const std::vector<String>& coo
     ToolModel::Link link;
     link.name = node["name"].text();
 
-    const TracedNode joint = node["joint"].map({ "type", "coordinate", "scale" });
+    const TracedNode joint = node["joint"].map({ "type", "coordinate", "scale", "offset_deviation" });
     const String type = joint["type"].text();
     link.jointType = type == "fixed" ? ToolModel::JOINT_FIXED : type == "revolute" ? ToolModel::JOINT_REVOLUTE : ToolModel::JOINT_PRISMATIC;
     if (type != JOINT_NAMES[link.jointType])
@@ -153,6 +153,12 @@ ToolModel::Link parseLink(const TracedNode& node, const std::vector<String>& coo
         link.coordinate = knownName(joint["coordinate"], coordinates, "a coordinate");
     if (joint.has("scale"))
         link.scale = joint["scale"].number();
+    if (joint.has("offset_deviation"))
+    {
+        link.offsetDeviation = joint["offset_deviation"].number();
+        if (link.offsetDeviation < 0)
+            joint["offset_deviation"].fail("expected a number of at least 0; without the key it is the default");
+    }
 
     const TracedNode mdh = node["mdh"].map({ "alpha", "a", "theta", "d" });
     link.alpha = mdh["alpha"].number();
@@ -338,6 +344,8 @@ void ToolModel::save(const String& filename) const
         file << "joint" << "{:" << "type" << JOINT_NAMES[link.jointType];
         if (link.jointType != JOINT_FIXED)
             file << "coordinate" << description_.coordinates[link.coordinate] << "scale" << link.scale;
+        if (link.offsetDeviation >= 0)
+            file << "offset_deviation" << link.offsetDeviation;
         file << "}" << "mdh" << "{:" << "alpha" << link.alpha << "a" << link.a << "theta" << link.theta << "d" << link.d << "}";
         if (link.mesh >= 0)
             file << "mesh" << format("meshes/%s_%d.ply", stem.c_str(), link.mesh);

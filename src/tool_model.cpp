@@ -9,7 +9,7 @@
 namespace cv { namespace surgtrack {
 
 ToolModel::Link::Link()
-    : parent(-1), jointType(JOINT_FIXED), coordinate(-1), scale(1), alpha(0), a(0), theta(0), d(0), mesh(-1)
+    : parent(-1), jointType(JOINT_FIXED), coordinate(-1), scale(1), alpha(0), a(0), theta(0), d(0), mesh(-1), offsetDeviation(-1)
 {
 }
 
@@ -63,7 +63,13 @@ void checkDescription(const ToolModel::Description& tool)
                path + ".coordinate: expected the index of a coordinate, or -1 for a fixed joint");
         expect(checkRange(Vec<double, 5>(link.scale, link.alpha, link.a, link.theta, link.d)),
                path + ": expected finite scale, alpha, a, theta and d");
+        expect(link.offsetDeviation < 0 || (link.offsetDeviation < DBL_MAX && !fixed),
+               path + ".offsetDeviation: expected a finite number, or a negative one for the default, as for a fixed joint");
         expect(link.mesh >= -1 && link.mesh < (int)tool.meshes.size(), path + ".mesh: expected the index of a mesh, or -1");
+        for (int j = 0; j < i; ++j)
+            expect(fixed || tool.links[j].coordinate != link.coordinate || tool.links[j].offsetDeviation < 0 || link.offsetDeviation < 0
+                       || tool.links[j].offsetDeviation == link.offsetDeviation,
+                   path + ".offsetDeviation: expected the same as of the other links of this coordinate");
     }
     for (size_t i = 0; i < tool.meshes.size(); ++i)
         checkMesh(tool.meshes[i], format("meshes[%d]", (int)i));
@@ -127,6 +133,9 @@ std::vector<double> ToolModel::offsetDeviations() const
         if (slid[i] && links[i].jointType == JOINT_REVOLUTE)
             deviations[links[i].coordinate] = wrist;
     }
+    for (size_t i = 0; i < links.size(); ++i)
+        if (links[i].offsetDeviation >= 0)
+            deviations[links[i].coordinate] = links[i].offsetDeviation;
     return deviations;
 }
 

@@ -147,6 +147,46 @@ TEST(SurgTrack_ToolModel, readsLinksInAnyOrder)
     EXPECT_THROW(tool->getMesh(-1, vertices, triangles), cv::Exception);
 }
 
+TEST(SurgTrack_ToolModel, theWristsOffsetsAreUnknownUnlessTheFileSaysOtherwise)
+{
+    const TempFolder folder;
+    // What turns beyond the joint that slides: q4, q5, q6 and the jaw.
+    EXPECT_EQ((std::vector<double>{ 0, 0, 0, 0.03, 0.03, 0.03, 0.03 }), ToolModel::needleDriver()->offsetDeviations());
+    EXPECT_EQ((std::vector<double>{ 0, 0 }), ToolModel::load(writeTool(folder, TOOL))->offsetDeviations());
+
+    const std::string stated = replaced(replaced(TOOL, "scale: 2", "scale: 2, offset_deviation: 0.002"), "scale: 1 ", "scale: 1, offset_deviation: 0.01 ");
+    EXPECT_EQ((std::vector<double>{ 0.01, 0.002 }), ToolModel::load(writeTool(folder, stated))->offsetDeviations());
+
+    // In a description: one of the two joints on a coordinate is enough; 0 takes an offset away; all outlive a file.
+    const Ptr<ToolModel> driver = ToolModel::needleDriver();
+    ToolModel::Description d;
+    d.name = driver->name();
+    d.coordinates = driver->coordinateNames();
+    d.links = driver->links();
+    d.meshes = driver->meshes();
+    d.keypoints = driver->keypoints();
+    d.endEffectorLink = driver->endEffectorLink();
+    const int jaw = driver->coordinateIndex("jaw"), roll = driver->coordinateIndex("q4");
+    int jaws = 0;
+    for (size_t i = 0; i < d.links.size(); ++i)
+    {
+        if (d.links[i].coordinate == jaw && jaws++ == 0)
+            d.links[i].offsetDeviation = 0.05;
+        if (d.links[i].coordinate == roll)
+            d.links[i].offsetDeviation = 0;
+    }
+    ASSERT_EQ(2, jaws);
+    const std::vector<double> expected = { 0, 0, 0, 0, 0.03, 0.03, 0.05 };
+    const Ptr<ToolModel> tool = ToolModel::create(d);
+    EXPECT_EQ(expected, tool->offsetDeviations());
+    const char* const names[] = { "a.yaml", "b.xml", "c.json" };
+    for (int i = 0; i < 3; ++i)
+    {
+        tool->save(folder / names[i]);
+        EXPECT_EQ(expected, ToolModel::load(folder / names[i])->offsetDeviations()) << names[i];
+    }
+}
+
 TEST(SurgTrack_ToolModel, everyErrorNamesFileAndKey)
 {
     const struct { const char *what, *by, *key; } cases[] = {
@@ -172,6 +212,10 @@ TEST(SurgTrack_ToolModel, everyErrorNamesFileAndKey)
         { "coordinate: \"lift\", ", "", "links[1].joint.coordinate: missing" },
         { "scale: 2", "scal: 2", "links[1].joint.scal: unknown key" },
         { "scale: 2", "scale: .Nan", "links[1].joint.scale: expected a finite number" },
+        { "scale: 2", "scale: 2, offset_deviation: -0.1", "links[1].joint.offset_deviation: expected a number of at least 0" },
+        { "scale: 2", "scale: 2, offset_deviation: .Nan", "links[1].joint.offset_deviation: expected a finite number" },
+        { "scale: 2", "scale: 2, offset_deviation: \"wide\"", "links[1].joint.offset_deviation: expected a finite number" },
+        { "type: \"fixed\"", "type: \"fixed\", offset_deviation: 0", "links[0].joint.offset_deviation: unknown key" },
         { "alpha: 0.1, ", "", "links[0].mdh.alpha: missing" },
         { "alpha: 0.1", "alpha: .Inf", "links[0].mdh.alpha: expected a finite number" },
         { "d: 0.4", "d: 0.4, e: 1", "links[0].mdh.e: unknown key" },
@@ -248,7 +292,7 @@ TEST(SurgTrack_ToolModel, createRejectsInvalidDescriptions)
     EXPECT_NO_THROW(ToolModel::create(good));
 
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    std::vector<ToolModel::Description> bad(17, good);
+    std::vector<ToolModel::Description> bad(20, good);
     bad[0].links[1].parent = 1;
     bad[1].links[1].parent = -2;
     bad[2].links[1].coordinate = 2;
@@ -266,6 +310,12 @@ TEST(SurgTrack_ToolModel, createRejectsInvalidDescriptions)
     bad[14].meshes[0].normals.pop_back();
     bad[15].meshes[0].triangles[0][0] = 12;
     bad[16].meshes[0].vertices[0].x = (float)nan;
+    bad[17].links[1].offsetDeviation = nan;
+    bad[18].links[2].offsetDeviation = 0;   // a fixed joint
+    bad[19].links[1].coordinate = 0;        // both joints turn, and their deviations differ
+    bad[19].links[1].jointType = ToolModel::JOINT_REVOLUTE;
+    bad[19].links[1].offsetDeviation = 0.01;
+    bad[19].links[0].offsetDeviation = 0.02;
     for (size_t i = 0; i < bad.size(); ++i)
         EXPECT_THROW(ToolModel::create(bad[i]), cv::Exception) << "case " << i;
     EXPECT_THROW(ToolModel::create(ToolModel::Description()), cv::Exception);
@@ -328,6 +378,7 @@ TEST(SurgTrack_ToolModel, savedToolIsReadBackEqual)
         EXPECT_EQ(tool.coordinateNames(), copy->coordinateNames());
         EXPECT_EQ(tool.linkNames(), copy->linkNames());
         EXPECT_EQ(tool.keypointNames(), copy->keypointNames());
+        EXPECT_EQ(tool.offsetDeviations(), copy->offsetDeviations());
         expectEqualKinematics(tool, *copy);
         ASSERT_EQ(tool.meshes().size(), copy->meshes().size());
         for (size_t m = 0; m < tool.meshes().size(); ++m)

@@ -14,7 +14,7 @@ namespace cv { namespace surgtrack {
 
 /** @brief The filter of METHOD_FULL: the error of the hand-eye calibration and those of the joint readings.
 
-State: the correction camera_T_nominal and an offset for each coordinate with ToolModel::offsetDeviations() > 0. Its error is
+State: the correction camera_T_nominal and an offset for each coordinate with ToolModel::offsetDeviations() > 0 (the first ten). Its error is
 (omega, v, d), omega and v a small motion of the tool about its own centre c in the camera frame,
 `camera_T_nominal <- Trans(c + v) Exp(omega) Trans(-c) camera_T_nominal`, d that of the offsets; so rotation and translation are
 nearly independent, and P is moved to the new centre as the tool moves. Process: constant, with noise Q. Measurements: points of
@@ -79,7 +79,8 @@ public:
     virtual int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points,
                            double tolerance) = 0;
 
-    //! Log likelihood ratio of what was added: with a push of this size [rad, m] before this frame, and without.
+    //! How much better a push of this size [rad, m] before this frame explains what was added: half the difference of its squared
+    //! Mahalanobis distances, a log likelihood ratio but for the determinants.
     virtual double surprise(double rotation, double translation) const = 0;
 
     //! @return false if the equations can't be solved; nothing changes then

@@ -19,7 +19,7 @@ struct CV_EXPORTS_W_SIMPLE ContourPoint
 
     CV_PROP int link;              //!< index of the link it lies on
     CV_PROP Point3d linkPoint;     //!< in the link's frame [m]
-    CV_PROP Point3d linkDirection; //!< along the edge, in the link's frame; the tool is on its right, seen from the camera
+    CV_PROP Point3d linkDirection; //!< along the edge, in the link's frame; the tool is on its left, seen from the camera
     CV_PROP Point2d imagePoint;    //!< where it is expected [pixel]
     CV_PROP Point2d normal;        //!< unit vector in the image, out of the tool
     CV_PROP bool crease;           //!< an edge inside the tool's image, not its outline

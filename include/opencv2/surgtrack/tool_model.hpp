@@ -57,6 +57,7 @@ public:
         double scale;             //!< joint value = scale * coordinate
         double alpha, a, theta, d;
         int mesh;                 //!< index into meshes(); -1: nothing to draw
+        double offsetDeviation;   //!< for offsetDeviations(), the same in all links of a coordinate [rad or m]; negative: the default
         Link();
     };
 
@@ -109,7 +110,8 @@ public:
     int endEffectorLink() const { return description_.endEffectorLink; }
 
     /** @brief How wrong joint readings may be: prior standard deviation of a constant offset, one per coordinate [rad or m]; 0 = exact,
-    or not to be told from an error of the hand-eye calibration. */
+    or not to be told from an error of the hand-eye calibration. What the links of a coordinate state (Link::offsetDeviation);
+    by default 0.03 rad for revolute joints beyond one that slides, and 0 for all others. */
     CV_WRAP std::vector<double> offsetDeviations() const;
 
     /** @param index mesh index
