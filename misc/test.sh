@@ -284,13 +284,13 @@ run_evaluation() {
 # The sequence of two eyes is that of run_evaluation: 8 frames.
 run_stereo() {
   local work="$1" track="$BUILD_DIR/bin/example_surgtrack_track_sequence" make="$BUILD_DIR/bin/example_surgtrack_make_sequence"
+  local python=(env PYTHONDONTWRITEBYTECODE=1 "PYTHONPATH=$BUILD_DIR/python_loader" "$PYTHON" "$REPO/samples/track_sequence.py")
   sample "track_sequence, two eyes" limited "$track" --sequence="$work/stereo" --stereo --poses="$work/eyes.csv" --quiet
   sample "its poses file" poses_complete "$work/eyes.csv" 8
   sample "its further columns" columns_sound "$work/eyes.csv" full
   sample "track_sequence, one of them" limited "$track" --sequence="$work/stereo" --poses="$work/eye.csv" --quiet
   sample "the other one helps" second_eye_helps "$work/eyes.csv" "$work/eye.csv"
-  sample "track_sequence.py, two eyes" python_cv2 "$REPO/samples/track_sequence.py" --sequence="$work/stereo" --stereo \
-    --poses="$work/eyes-python.csv" --quiet
+  sample "track_sequence.py, two eyes" limited "${python[@]}" --sequence="$work/stereo" --stereo --poses="$work/eyes-python.csv" --quiet
   sample "the same poses file" cmp "$work/eyes.csv" "$work/eyes-python.csv"
   sample "track_sequence, two eyes, drawn ahead" limited "$track" --sequence="$work/stereo" --stereo --render-ahead \
     --poses="$work/eyes-ahead.csv" --video="$work/eyes.mp4" --quiet
@@ -307,8 +307,10 @@ run_stereo() {
   sample "refused: the same, not told by the truth" refuses "right.mp4: ends after 5 frames" "$track" --sequence="$work/right-ends" \
     --stereo --quiet --poses="$work/right-ends.csv"
   sample "what was tracked until then" poses_complete "$work/right-ends.csv" 5
-  sample "refused: the same in Python" refuses "right.mp4: ends after 5 frames" python_cv2 "$REPO/samples/track_sequence.py" \
-    --sequence="$work/right-ends" --stereo --quiet
+  sample "refused: the same in Python" refuses "right.mp4: ends after 5 frames" "${python[@]}" --sequence="$work/right-ends" --stereo --quiet
+  sample "refused: two eyes of a sequence with one, in Python" refuses "right_T_left" "${python[@]}" --sequence="$work/sequence" --stereo
+  sample "refused: two eyes without the method for it, in Python" refuses "--method=full" "${python[@]}" --sequence="$work/stereo" \
+    --stereo --method=epnp
   cp -r "$work/stereo" "$work/left-ends"
   rm "$work/left-ends/groundtruth.csv"
   cp "$work/short/left.mp4" "$work/left-ends/left.mp4"
