@@ -79,7 +79,7 @@ public:
     void undo() CV_OVERRIDE;
     void begin() CV_OVERRIDE;
     int addPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
-                  const std::vector<Point2d>& imagePoints, const std::vector<double>& noise, std::vector<uchar>& used) CV_OVERRIDE;
+                  const std::vector<Point2d>& imagePoints, std::vector<uchar>& used, const std::vector<double>& noise) CV_OVERRIDE;
     int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points,
                    double tolerance) CV_OVERRIDE;
     double surprise(double rotation, double translation) const CV_OVERRIDE;
@@ -319,7 +319,7 @@ void ArticulatedPoseEKFImpl::begin()
 }
 
 int ArticulatedPoseEKFImpl::addPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
-                                      const std::vector<Point2d>& imagePoints, const std::vector<double>& noise, std::vector<uchar>& used)
+                                      const std::vector<Point2d>& imagePoints, std::vector<uchar>& used, const std::vector<double>& noise)
 {
     CV_CheckEQ(parts.size(), imagePoints.size(), "one image point per part");
     CV_Assert(isRigid(eye_T_camera) && "eye_T_camera: rigid");
@@ -330,7 +330,7 @@ int ArticulatedPoseEKFImpl::addPoints(const CameraModel& camera, const Matx44d& 
             CV_Error(Error::StsBadArg, format("imagePoints holds a value that is not finite, of part %d", parts[i]));
     }
     used.assign(parts.size(), 0);
-    CV_CheckEQ(parts.size(), noise.size(), "one factor of the noise per part");
+    CV_Check(noise.size(), noise.empty() || noise.size() == parts.size(), "noise: one factor per part");
     int passed = 0;
     for (size_t i = 0; i < parts.size(); i++)
     {
@@ -339,7 +339,7 @@ int ArticulatedPoseEKFImpl::addPoints(const CameraModel& camera, const Matx44d& 
         Rows2 H;
         if (!row(camera, eye_T_camera, keypoint.link, keypoint.linkPoint, h, H)) continue;
         const Eigen::Vector2d r = Eigen::Vector2d(imagePoints[i].x - h.x, imagePoints[i].y - h.y) + H * moved_;   // of the prediction
-        const double R = std::pow(params_.pointNoise * noise[i], 2);
+        const double R = std::pow(params_.pointNoise * (noise.empty() ? 1 : noise[i]), 2);
         const Eigen::Matrix2d S = H * predicted_.P * H.transpose() + R * Eigen::Matrix2d::Identity();
         if (params_.gate > 0 && r.dot(S.llt().solve(r)) > params_.gate) continue;
         used[i] = 1;

@@ -12,11 +12,8 @@ namespace {
 
 const int maxHalf = 24;   // [pixel]
 
-// A grey level, or the light that made it, as cameras' tone curves are close to a square root.
-template <bool light> inline float level(uchar v) { return light ? float(v * v) : float(v); }
-
 // The image along a normal, a sample a pixel, bilinear.
-template <int channels, bool light> void readProfile(const Mat& image, const Point2d& from, const Point2d& step, int n, float* profile)
+template <int channels> void readProfile(const Mat& image, const Point2d& from, const Point2d& step, int n, float* profile)
 {
     for (int i = 0; i < n; i++)
     {
@@ -25,8 +22,8 @@ template <int channels, bool light> void readProfile(const Mat& image, const Poi
         const float u = x - ix, v = y - iy;
         const uchar *p = image.ptr(iy) + channels * ix, *q = p + image.step;
         for (int c = 0; c < channels; c++)
-            profile[c * n + i] = (1 - v) * ((1 - u) * level<light>(p[c]) + u * level<light>(p[c + channels]))
-                                 + v * ((1 - u) * level<light>(q[c]) + u * level<light>(q[c + channels]));
+            profile[c * n + i] = (1 - v) * ((1 - u) * p[c] + u * p[c + channels])
+                                 + v * ((1 - u) * q[c] + u * q[c + channels]);
     }
 }
 
@@ -57,8 +54,8 @@ int matchContour(InputArray _image, std::vector<ContourPoint>& points, const Con
         c.found = false;
         const Point2d a = c.imagePoint - c.normal * reach, b = c.imagePoint + c.normal * reach;
         if (!(std::min(a.x, b.x) >= 0 && std::min(a.y, b.y) >= 0 && std::max(a.x, b.x) < image.cols - 1.001 && std::max(a.y, b.y) < image.rows - 1.001)) continue;
-        if (channels == 3) readProfile<3, false>(image, a, c.normal, n, profile);
-        else readProfile<1, false>(image, a, c.normal, n, profile);
+        if (channels == 3) readProfile<3>(image, a, c.normal, n, profile);
+        else readProfile<1>(image, a, c.normal, n, profile);
         std::fill(energy, energy + n, 0.f);
         for (int k = 0; k < channels; k++)
         {
@@ -86,16 +83,14 @@ int matchContour(InputArray _image, std::vector<ContourPoint>& points, const Con
         }
         if (best < 0 || second > search.ambiguity * bestScore) continue;
         c.found = true;
-        // Lenses blur light, so the place is that of the largest change of light: grey levels would have it on the dark side.
-        const Point2d around = a + c.normal * (best - 4);
-        if (channels == 3) readProfile<3, true>(image, around, c.normal, 9, profile);
-        else readProfile<1, true>(image, around, c.normal, 9, profile);
+        /* Lenses blur light, and cameras' tone curves are close to a square root of it: grey levels would have the edge on the dark
+           side by 0.1 to 0.2 pixel, their squares have it where it is. */
         float linear[5] = {0, 0, 0, 0, 0};
         for (int k = 0; k < channels; k++)
             for (int i5 = 0; i5 < 5; i5++)
             {
-                const float* p = profile + k * 9 + 2 + i5;
-                const float g = (p[1] - p[-1]) * 2 + (p[2] - p[-2]);
+                const float* p = profile + k * n + best - 2 + i5;
+                const float g = (p[1] * p[1] - p[-1] * p[-1]) * 2 + (p[2] * p[2] - p[-2] * p[-2]);
                 linear[i5] += g * g;
             }
         int at = 2;

@@ -76,7 +76,7 @@ int ToolTrackerImpl::addPoints(TrackedTool& tool)
             parts_.push_back(eye.inliers[i].part);
             imagePoints_.push_back(eye.inliers[i].imagePoint);
         }
-        passed += tool.full->addPoints(eye.camera, eye.eye_T_camera, parts_, imagePoints_, noise_, used_);
+        passed += tool.full->addPoints(eye.camera, eye.eye_T_camera, parts_, imagePoints_, used_, noise_);
         if (e > 0) continue;
         tool.inliers.clear();
         for (size_t i = 0; i < used_.size(); i++)
@@ -114,11 +114,12 @@ void ToolTrackerImpl::sampleContours(int index, const TemplateSet* ahead)
     }
 }
 
-static ToolView seenFrom(const Eye& eye, const ToolView& view)
+// The tool as it is believed to be, in the frame of the eye.
+const ToolView& ToolTrackerImpl::seenFrom(const Eye& eye, const TrackedTool& tool)
 {
-    ToolView result = view;
-    result.camera_T_base = eye.eye_T_camera * view.camera_T_base;
-    return result;
+    seen_ = tool.full->view();
+    seen_.camera_T_base = eye.eye_T_camera * seen_.camera_T_base;
+    return seen_;
 }
 
 // Edges on the normals of all eyes' outlines, taken in three times. Returns the log likelihood ratio of a push.
@@ -135,7 +136,7 @@ double ToolTrackerImpl::refine(TrackedTool& tool, int firstPass)
         for (size_t e = 0; e < open_; e++)
         {
             Eye& eye = eyes_[e];
-            placeContour(eye.camera, seenFrom(eye, tool.full->view()), eye.outline);
+            placeContour(eye.camera, seenFrom(eye, tool), eye.outline);
             matchContour(eye.pixels(), eye.outline, search);
             if (params_.contours) tool.full->addContour(eye.camera, eye.eye_T_camera, eye.outline, tolerances[pass] * pixelScale_);
         }
@@ -157,7 +158,7 @@ double ToolTrackerImpl::support(const TrackedTool& tool)
     for (size_t e = 0; e < open_; e++)
     {
         Eye& eye = eyes_[e];
-        placeContour(eye.camera, seenFrom(eye, tool.full->view()), eye.outline);
+        placeContour(eye.camera, seenFrom(eye, tool), eye.outline);
         matchContour(eye.pixels(), eye.outline, search);
         all += int(eye.outline.size());
         for (size_t i = 0; i < eye.outline.size(); i++)

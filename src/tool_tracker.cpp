@@ -220,8 +220,8 @@ void ToolTrackerImpl::placeTools(const std::vector<std::vector<double> >& joints
         TrackedTool& tool = tools_[i];
         if (tool.full)
         {
+            tool.full->copyTo(*tool.spare);
             tool.full->predict(joints[i], tool.boosted > 0 ? pushedGrowth : 1);
-            tool.boosted = std::max(0, tool.boosted - 1);
             views_[i] = tool.full->view();
         }
         else
@@ -415,7 +415,16 @@ void ToolTrackerImpl::updateEyes(double time, const std::vector<std::vector<doub
         const TemplateSet* ahead = 0;
         {
             StageTimer renderTimer(times_, RENDER);
-            ahead = drawnAhead();
+            try
+            {
+                ahead = drawnAhead();
+            }
+            catch (...)   // of the second thread; as if this frame had not been
+            {
+                for (size_t i = 0; i < tools_.size(); i++)
+                    if (tools_[i].full) tools_[i].spare->copyTo(*tools_[i].full);
+                throw;
+            }
         }
         time_ = time;
         for (int i = 0; i < int(tools_.size()); i++)
@@ -423,6 +432,7 @@ void ToolTrackerImpl::updateEyes(double time, const std::vector<std::vector<doub
             TrackedTool& tool = tools_[i];
             if (tool.full)
             {
+                tool.boosted = std::max(0, tool.boosted - 1);
                 bool seen = tool.starts() ? startFull(i) : measureFull(i, ahead);
                 if (!seen && !tool.starts()) seen = searchFull(i);
                 concludeFull(tool, seen);

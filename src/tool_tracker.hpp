@@ -127,6 +127,7 @@ private:
     int correctPoints(TrackedTool& tool);
     void sampleContours(int tool, const TemplateSet* ahead);
     double refine(TrackedTool& tool, int firstPass);
+    const ToolView& seenFrom(const Eye& eye, const TrackedTool& tool);
     double support(const TrackedTool& tool);
     bool movedSince(int tool, const std::vector<ToolView>& drawn) const;
 
@@ -150,6 +151,7 @@ private:
     std::vector<Point2d> imagePoints_;
     std::vector<int> parts_;
     std::vector<double> noise_;
+    ToolView seen_;
     std::vector<uchar> used_;
 
     Ptr<RenderAhead> ahead_;   // made by the first renderAhead()

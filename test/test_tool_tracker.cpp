@@ -337,47 +337,47 @@ TEST(SurgTrack_Tracker, resetForgetsOneToolOrAll)
 TEST(SurgTrack_Tracker, timesItsStages)
 {
     Ptr<ToolTracker> tracker = common().tracker();
-    const char* const expected[] = {"render", "image", "match", "verify", "filter", "total"};
+    const char* const expected[] = {"render", "image", "match", "verify", "filter", "contour", "total"};
     std::vector<StageTime> times = tracker->getTimings();
-    ASSERT_EQ(6u, times.size());
-    for (int i = 0; i < 6; i++)
+    ASSERT_EQ(7u, times.size());
+    for (int i = 0; i < 7; i++)
     {
         EXPECT_EQ(expected[i], times[i].name);
         EXPECT_EQ(0, times[i].calls);
         EXPECT_EQ(0, times[i].mean);
     }
-    std::vector<double> sum(6), least(6, DBL_MAX), most(6);
+    std::vector<double> sum(7), least(7, DBL_MAX), most(7);
     const int frames = 4;
     for (int frame = 0; frame < frames; frame++)
     {
         common().update(*tracker, frame);
         times = tracker->getTimings();
         double stages = 0;
-        for (int i = 0; i < 6; i++)
+        for (int i = 0; i < 7; i++)
         {
             EXPECT_EQ(frame + 1, times[i].calls);
             EXPECT_GE(times[i].last, 0) << expected[i];
-            if (i < 5) stages += times[i].last;
+            if (i < 6) stages += times[i].last;
             sum[i] += times[i].last;
             least[i] = std::min(least[i], times[i].last);
             most[i] = std::max(most[i], times[i].last);
         }
         EXPECT_GT(stages, 0);
-        EXPECT_LE(stages, times[5].last + 1e-6);   // the stages are parts of the total; the clock ticks
+        EXPECT_LE(stages, times[6].last + 1e-6);   // the stages are parts of the total; the clock ticks
     }
-    for (int i = 0; i < 6; i++)
+    for (int i = 0; i < 7; i++)
     {
         EXPECT_NEAR(sum[i] / frames, times[i].mean, 1e-12);   // rounding
         EXPECT_EQ(least[i], times[i].min);
         EXPECT_EQ(most[i], times[i].max);
     }
     tracker->resetTimings();
-    EXPECT_EQ(0, tracker->getTimings()[5].calls);
-    EXPECT_EQ(0, tracker->getTimings()[5].last);
+    EXPECT_EQ(0, tracker->getTimings()[6].calls);
+    EXPECT_EQ(0, tracker->getTimings()[6].last);
     common().update(*tracker, frames);
     times = tracker->getTimings();
-    EXPECT_EQ(1, times[5].calls);
-    EXPECT_EQ(times[5].last, times[5].max);   // nothing is left of the frames before
+    EXPECT_EQ(1, times[6].calls);
+    EXPECT_EQ(times[6].last, times[6].max);   // nothing is left of the frames before
 }
 
 TEST(SurgTrack_Tracker, statesHaveTheNamesOfPosesFiles)

@@ -64,11 +64,12 @@ public:
     @param eye_T_camera the camera frame of the state in that of this camera; unit if it is the same
     @param parts keypoint indices
     @param imagePoints where they were found [pixel]
-    @param noise factor on Params::pointNoise, one each
     @param used 1 where the point passed the gate
+    @param noise factor on Params::pointNoise, one each; none: 1
     @return how many passed */
     virtual int addPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
-                          const std::vector<Point2d>& imagePoints, const std::vector<double>& noise, std::vector<uchar>& used) = 0;
+                          const std::vector<Point2d>& imagePoints, std::vector<uchar>& used,
+                          const std::vector<double>& noise = std::vector<double>()) = 0;
 
     /** @brief Edges on the normals of a contour.
     @param camera that saw them
