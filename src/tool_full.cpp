@@ -289,6 +289,25 @@ bool ToolTrackerImpl::searchFull(int index)
     return found;
 }
 
+void ToolTrackerImpl::dropPoints(TrackedTool& tool)
+{
+    tool.full->undo();
+    tool.inliers.clear();
+    for (size_t e = 0; e < open_; e++) eyes_[e].inliers.clear();
+    tool.nis = 0;
+    tool.points = false;
+}
+
+void ToolTrackerImpl::correctByOutline(int index, const TemplateSet* ahead)
+{
+    dropPoints(tools_[index]);
+    views_[index] = tools_[index].full->view();
+    if (!ahead)   // the push may have had it drawn elsewhere
+        for (size_t e = 0; e < open_; e++) draw(index, eyes_[e]);
+    sampleContours(index, ahead);
+    refine(tools_[index], trackPass);
+}
+
 /* Points, then contours, from the filter's prediction. ahead: where the outline was drawn, if not in this frame
    Returns whether all this, with a push before, is that much likelier than without. */
 bool ToolTrackerImpl::correctFull(int index, const TemplateSet* ahead)
@@ -298,12 +317,7 @@ bool ToolTrackerImpl::correctFull(int index, const TemplateSet* ahead)
     const int passed = correctPoints(tool);
     bool pushed = int(matches.size()) > minPoints && meanSimilarity(matches) > pushedSimilarity
                   && (2 * passed < int(matches.size()) || tool.nis > pushedNis);
-    if (passed < minPoints)   // the outline alone may do
-    {
-        tool.full->undo();
-        tool.inliers.clear();
-        tool.nis = 0;
-    }
+    if (passed < minPoints) dropPoints(tool);   // the outline alone may do
     tool.points = passed >= minPoints;
     sampleContours(index, ahead);
     if (movedSince(index, ahead ? ahead->views : eyes_[0].views))
@@ -342,6 +356,7 @@ bool ToolTrackerImpl::measureFull(int index, const TemplateSet* ahead)
             tool.contourSupport = support;
             tool.nis = nis;
             tool.points = points;
+            if (nis > pushedNis) correctByOutline(index, ahead);   // the set of points is a false one
         }
     }
     // A first pose that is to be confirmed, and one after a gap, need more; an outline alone only continues.
