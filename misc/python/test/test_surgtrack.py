@@ -302,7 +302,7 @@ class surgtrack_test(NewOpenCVTests):
         np.testing.assert_allclose(estimate.camera_T_tool, tool, atol=1e-9)   # the chain of transforms
         self.assertLess(scorer.score().translationMean, 0.004)   # the calibration is 6 mm off
         times = tracker.getTimings()
-        self.assertEqual([t.name for t in times], ['render', 'image', 'match', 'verify', 'filter', 'total'])
+        self.assertEqual([t.name for t in times], ['render', 'image', 'match', 'verify', 'filter', 'contour', 'total'])
         for t in times:
             self.assertEqual(t.calls, 12)
             self.assertTrue(0 <= t.min <= t.mean <= t.max and t.min <= t.last <= t.max)
