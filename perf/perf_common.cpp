@@ -122,11 +122,11 @@ Ptr<ToolModel> tool(const std::string& cad)
     return model;
 }
 
-Mat drawn(const SyntheticScene::Params& params, int frame)
+Mat drawn(const SyntheticScene::Params& params, int frame, bool right)
 {
     static std::map<String, Mat> images;
-    Mat& image = images[format("%d %d %d %d %d", params.imageSize.width, params.imageSize.height, params.tools, params.distortion, frame)];
-    if (image.empty()) SyntheticScene::create(Ptr<ToolModel>(), params)->render(frame, image);
+    Mat& image = images[format("%d %d %d %d %d %d %d", params.imageSize.width, params.imageSize.height, params.tools, params.distortion, params.stereo, frame, right)];
+    if (image.empty()) SyntheticScene::create(Ptr<ToolModel>(), params)->render(frame, image, right);
     return image.clone();
 }
 

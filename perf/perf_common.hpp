@@ -22,8 +22,8 @@ using namespace cv::surgtrack;
 "SURGTRACK_DATA" = the Large Needle Driver of the data folder (the test is skipped without it). Made once. */
 Ptr<ToolModel> tool(const std::string& cad);
 
-// A frame of a scene with the built-in tool. Drawn once.
-Mat drawn(const SyntheticScene::Params& params, int frame);
+// A frame of a scene with the built-in tool, of the left or the right eye. Drawn once.
+Mat drawn(const SyntheticScene::Params& params, int frame, bool right = false);
 
 /* Templates cut from an image, at its strongest corners. Features as cv::linemod chooses them: strong gradients, scattered.
 Patches are 64 pixels wide at 720 pixels' width. */

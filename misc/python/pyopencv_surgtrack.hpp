@@ -7,6 +7,7 @@
 #ifdef HAVE_OPENCV_SURGTRACK
 #include "opencv2/surgtrack.hpp"
 
+typedef cv::surgtrack::ArticulatedPoseEKF::Params ArticulatedPoseEKF_Params;
 typedef cv::surgtrack::GeometricContextVerifier::Params GeometricContextVerifier_Params;
 typedef cv::surgtrack::PartTemplateRenderer::Params PartTemplateRenderer_Params;
 typedef cv::surgtrack::QGOMatcher::Params QGOMatcher_Params;

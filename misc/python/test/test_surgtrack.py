@@ -145,6 +145,39 @@ class surgtrack_test(NewOpenCVTests):
         self.assertFalse(found)
         self.assertEqual(len(inliers), 0)
 
+    def test_contours_are_found_where_the_tool_is(self):
+        params = st.ToolContour.Params()
+        params.spacing, params.maxPoints = 4., 150
+        points = st.ToolContour.create(self.model, params).sampleTool(self.camera, self.camera_T_base(), self.joints)
+        self.assertTrue(50 < len(points) <= 150)
+        ids = st.MeshRenderer.createSoftware().renderTool(self.model, self.joints, self.camera_T_base(), self.camera)[1]
+        for p in points:
+            self.assertFalse(p.found)
+            self.assertFalse(p.crease)
+            self.assertTrue(0 <= p.link < len(self.model.linkNames()))
+            self.assertAlmostEqual(np.linalg.norm(p.normal), 1, places=9)   # rounding
+            x, y = np.round(np.subtract(p.imagePoint, np.multiply(1.5, p.normal))).astype(int)
+            self.assertGreater(ids[max(y - 1, 0):y + 2, max(x - 1, 0):x + 2].max(), 0)   # inwards there is the tool
+        # Grey in front of black: the outline lies half a pixel outside of the last pixel drawn.
+        image = np.where(ids > 0, 160, 40).astype(np.uint8)
+        search = st.ContourSearch()
+        search.halfWindow, search.minStrength = 5., 10.
+        found, matched = st.matchContour(image, points, search)
+        self.assertEqual(len(matched), len(points))
+        self.assertEqual(found, sum(p.found for p in matched))
+        self.assertGreater(found, 0.7 * len(points))   # but for corners, and edges that have another one beside them
+        offsets = np.array([p.offset for p in matched if p.found])
+        self.assertLess(abs(np.median(offsets)), 0.3)   # the drawing has no pixels that are half covered
+        self.assertTrue(all(p.deviation > 0 and p.strength >= 10 for p in matched if p.found))
+        with self.assertRaises(cv.error):
+            st.matchContour(np.zeros((10, 10), np.float32), points, search)
+        search.halfWindow = 0.
+        with self.assertRaises(cv.error):
+            st.matchContour(image, points, search)
+
+    def test_offset_deviations(self):
+        np.testing.assert_array_equal(np.ravel(self.model.offsetDeviations()), [0, 0, 0, 0.03, 0.03, 0.03, 0.03])   # the wrist and the jaw
+
     def test_gradient_orientations(self):
         image = np.zeros((40, 60), np.uint8)
         image[:, 30:] = 200   # a horizontal gradient
@@ -316,6 +349,40 @@ class surgtrack_test(NewOpenCVTests):
         before = image.copy()
         st.drawSkeleton(image, scene.camera(), scene.model(), joints, scene.camera_T_base(0), (0, 255, 0))
         self.assertGreater(np.count_nonzero(image != before), 100)
+
+    def test_full_method_tracks_with_both_eyes(self):
+        scene = self.scene(imageSize=(720, 576), frames=25, stereo=True)
+        params = st.ToolTracker.Params()
+        params.method = st.METHOD_FULL
+        for eyes in (1, 2):
+            tracker = st.ToolTracker.create(scene.camera(), params)
+            if eyes == 2:
+                tracker.setRightCamera(scene.camera(right=True), scene.right_T_left())
+            tracker.addTool(scene.model(), scene.nominal_T_base(0))
+            scorer = st.PoseScorer.create(scene.camera(), 1)
+            for frame in range(8):
+                time = frame / 25.
+                image, joints = scene.render(frame), scene.recordedJoints(0, time)
+                if eyes == 1:
+                    estimate, = tracker.update(image, time, [joints])
+                else:
+                    estimate, = tracker.updateStereo(image, scene.render(frame, right=True), time, [joints])
+                scorer.add(0, estimate.state, estimate.camera_T_tool, scene.truePose(0, time))
+            self.assertEqual(estimate.state, st.STATE_TRACKING)
+            offsets = np.ravel(estimate.jointOffsets)
+            self.assertEqual(offsets.shape, (7,))
+            np.testing.assert_array_equal(offsets[:3], 0)   # the arm's readings have none
+            self.assertTrue((offsets[3:] != 0).all())
+            self.assertTrue(0 < estimate.contourSupport <= 1)
+            self.assertEqual(estimate.covariance.shape, (6, 6))
+            self.assertGreater(np.linalg.eigvalsh(estimate.covariance).min(), 0)
+            corrected = np.ravel(joints) + offsets
+            corrected[6] = max(corrected[6], min(np.ravel(joints)[6], 0))   # the jaw's stop
+            tool = estimate.camera_T_nominal.dot(scene.nominal_T_base(0)).dot(scene.model().endEffectorPose(corrected))
+            np.testing.assert_allclose(estimate.camera_T_tool, tool, atol=1e-9)   # the chain of transforms
+            self.assertLess(scorer.score().translationMean, 0.004)   # the calibration is 6 mm off
+        with self.assertRaises(cv.error):   # no right camera is known
+            st.ToolTracker.create(scene.camera(), params).updateStereo(image, image, 0., [])
 
 
 if __name__ == '__main__':
