@@ -86,10 +86,11 @@ METHOD_FULL, per frame:
   have 1.2 to 1.8, wrong ones up to 1.1. A tool that is followed needs 0.9, one that is not 1.12, and to count as tracking without
   a second frame 1.25. The outline alone does, with a support of 0.55, where fewer than four parts are seen.
 - A push of the camera: where points or edges fit badly to a correction that changes slowly, the frame is measured once more with
-  P grown by 1 degree and 2 mm; if that has more evidence it is kept, and the process noise stays raised for ten frames.
+  P grown by 1 degree and 2 mm; if that has more evidence it is kept, and the process noise stays raised for ten frames. If it has
+  not and the points fit badly, they are the wrong ones: the outline alone is taken.
 - First pose: nine drawings (paper, Sec. 2.1: scales 0.8, 1, 1.2, rotations 0, +-15 degrees); the three with the largest summed
   similarity are fitted, parts and outline, in four rounds each; the first one with evidence is taken, as the summed similarity
-  alone does not tell good from bad.
+  alone does not tell good from bad. The process noise is raised for the frames after it: two poses may look alike in one frame.
 - A tool that is not seen is sought in every frame with one of the nine drawings, in turn about its last pose and about the
   hand-eye calibration itself, since either may be the better guess. What is found there must be confirmed by the next frames;
   else the tool goes back to the last pose that was tracked. Meanwhile P grows.
