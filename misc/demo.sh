@@ -9,7 +9,7 @@ usage: misc/demo.sh [--help] [SEQUENCE [OPTION...]]
 
 Installs what is missing (apt), gets OpenCV's source, builds the module and tracks a sequence: the folder SEQUENCE (format:
 doc/formats.md), or without it a synthetic one that is made first, from the built-in tool. OPTIONs go to track_sequence, such
-as --method=epnp or --frames=50. Needs no display.
+as --method=paper, --stereo or --frames=50. Needs no display.
 
 Leaves in demo/:
   overlay.mp4   the video; in red the tool where the recorded kinematics has it, in green where it was found

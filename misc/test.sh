@@ -126,6 +126,35 @@ poses_complete() {
     }' "$1"
 }
 
+# columns_sound CSV METHOD: the further columns, and what the method has to say in them.
+columns_sound() {
+  "$PYTHON" - "$1" "$2" <<'PYTHON'
+import csv, sys
+rows, method = list(csv.DictReader(open(sys.argv[1], newline=""))), sys.argv[2]
+deviations = ["sd_" + c for c in ("rx", "ry", "rz", "tx", "ty", "tz")]
+offsets = ["offset_" + c for c in ("q1", "q2", "q3", "q4", "q5", "q6", "jaw")]
+assert list(rows[0])[11:] == ["visible", "inliers", "similarity", "contour", "nis"] + deviations + offsets, list(rows[0])
+tracked = [r for r in rows if r["status"] == "tracking"]
+assert tracked, "nothing was tracked"
+for r in tracked:
+    assert int(r["visible"]) > 0 and 0 <= float(r["similarity"]) <= 1, r
+    assert (0 < float(r["contour"]) <= 1) if method == "full" else float(r["contour"]) == 0, r
+    for name in deviations:   # a method without a covariance leaves them empty
+        assert r[name] == "" if method == "epnp" else 0 < float(r[name]) < 0.1, (name, r)   # 0.1: more than the calibration's own
+    assert any(float(r[name]) != 0 for name in offsets) == (method == "full"), r
+PYTHON
+}
+
+# second_eye_helps STEREO_CSV MONO_CSV: the depth is known better, by the filter's own word, at the end.
+second_eye_helps() {
+  "$PYTHON" - "$1" "$2" <<'PYTHON'
+import csv, sys
+stereo, mono = (list(csv.DictReader(open(name, newline="")))[-1] for name in sys.argv[1:3])
+assert stereo["status"] == mono["status"] == "tracking", (stereo, mono)
+assert float(stereo["sd_tz"]) < float(mono["sd_tz"]), (stereo["sd_tz"], mono["sd_tz"])
+PYTHON
+}
+
 video_readable() {
   python_cv2 -c '
 import sys, cv2
@@ -252,6 +281,45 @@ run_evaluation() {
   sample "refused: plots without a column" refuses "'rotation_std_rad'" "${plot[@]}" "$work/evaluation2"
 }
 
+# The sequence of two eyes is that of run_evaluation: 8 frames.
+run_stereo() {
+  local work="$1" track="$BUILD_DIR/bin/example_surgtrack_track_sequence" make="$BUILD_DIR/bin/example_surgtrack_make_sequence"
+  local python=(env PYTHONDONTWRITEBYTECODE=1 "PYTHONPATH=$BUILD_DIR/python_loader" "$PYTHON" "$REPO/samples/track_sequence.py")
+  sample "track_sequence, two eyes" limited "$track" --sequence="$work/stereo" --stereo --poses="$work/eyes.csv" --quiet
+  sample "its poses file" poses_complete "$work/eyes.csv" 8
+  sample "its further columns" columns_sound "$work/eyes.csv" full
+  sample "track_sequence, one of them" limited "$track" --sequence="$work/stereo" --poses="$work/eye.csv" --quiet
+  sample "the other one helps" second_eye_helps "$work/eyes.csv" "$work/eye.csv"
+  sample "track_sequence.py, two eyes" limited "${python[@]}" --sequence="$work/stereo" --stereo --poses="$work/eyes-python.csv" --quiet
+  sample "the same poses file" cmp "$work/eyes.csv" "$work/eyes-python.csv"
+  sample "track_sequence, two eyes, drawn ahead" limited "$track" --sequence="$work/stereo" --stereo --render-ahead \
+    --poses="$work/eyes-ahead.csv" --video="$work/eyes.mp4" --quiet
+  sample "its poses file" poses_complete "$work/eyes-ahead.csv" 8
+  sample "its video" video_readable "$work/eyes.mp4" 8
+
+  sample "refused: two eyes without the method for it" refuses "--method=full" "$track" --sequence="$work/stereo" --stereo --method=paper
+  sample "refused: two eyes of a sequence with one" refuses "right_T_left" "$track" --sequence="$work/sequence" --stereo
+  sample "make_sequence, a shorter one" limited "$make" --out="$work/short" --frames=5 --stereo --distortion --seed=5
+  cp -r "$work/stereo" "$work/right-ends"
+  cp "$work/short/right.mp4" "$work/right-ends/right.mp4"
+  sample "refused: the right video ends early" refuses "right.mp4: ends after 5 frames" "$track" --sequence="$work/right-ends" --stereo --quiet
+  rm "$work/right-ends/groundtruth.csv"
+  sample "refused: the same, not told by the truth" refuses "right.mp4: ends after 5 frames" "$track" --sequence="$work/right-ends" \
+    --stereo --quiet --poses="$work/right-ends.csv"
+  sample "what was tracked until then" poses_complete "$work/right-ends.csv" 5
+  sample "refused: the same in Python" refuses "right.mp4: ends after 5 frames" "${python[@]}" --sequence="$work/right-ends" --stereo --quiet
+  sample "refused: two eyes of a sequence with one, in Python" refuses "right_T_left" "${python[@]}" --sequence="$work/sequence" --stereo
+  sample "refused: two eyes without the method for it, in Python" refuses "--method=full" "${python[@]}" --sequence="$work/stereo" \
+    --stereo --method=epnp
+  cp -r "$work/stereo" "$work/left-ends"
+  rm "$work/left-ends/groundtruth.csv"
+  cp "$work/short/left.mp4" "$work/left-ends/left.mp4"
+  sample "refused: the left video ends early" refuses "left.mp4: ends after 5 frames" "$track" --sequence="$work/left-ends" --stereo --quiet
+  sample "track_sequence, only the shorter one" limited "$track" --sequence="$work/left-ends" --quiet
+  rm "$work/left-ends/right.mp4"
+  sample "refused: no right video" refuses "right.mp4" "$track" --sequence="$work/left-ends" --stereo --quiet
+}
+
 run_samples() {
   local work="$BUILD_DIR/test-samples" frames=12
   local track="$BUILD_DIR/bin/example_surgtrack_track_sequence" make="$BUILD_DIR/bin/example_surgtrack_make_sequence"
@@ -262,20 +330,27 @@ run_samples() {
   sample "track_sequence on a sequence" limited "$track" --sequence="$work/sequence" --poses="$work/poses.csv" \
     --video="$work/overlay.mp4" --frames="$frames" --quiet
   sample "its poses file" poses_complete "$work/poses.csv" "$frames"
+  sample "its further columns" columns_sound "$work/poses.csv" full
   sample "its video" video_readable "$work/overlay.mp4" "$frames"
   sample "track_sequence on the built-in sequence" limited env -C "$work" "$track" --frames="$frames" --poses="$work/builtin.csv"
   sample "its poses file" poses_complete "$work/builtin.csv" "$frames"
   sample "track_sequence, method epnp, two tools" limited "$track" --sequence="$work/two" --method=epnp \
     --frames=4 --poses="$work/two.csv"
   sample "its poses file" poses_complete "$work/two.csv" 4
+  sample "its further columns" columns_sound "$work/two.csv" epnp
+  sample "track_sequence, method paper" limited "$track" --sequence="$work/sequence" --method=paper --poses="$work/paper.csv"
+  sample "its poses file" poses_complete "$work/paper.csv" "$frames"
+  sample "its further columns" columns_sound "$work/paper.csv" paper
   sample "track_sequence, drawn ahead" limited "$track" --sequence="$work/two" --render-ahead --poses="$work/ahead.csv"
   sample "its poses file" poses_complete "$work/ahead.csv" 4
   sample "track_sequence.py" python_cv2 "$REPO/samples/track_sequence.py" --sequence="$work/sequence" \
     --poses="$work/python.csv" --frames="$frames" --render-ahead
   sample "its poses file" poses_complete "$work/python.csv" "$frames"
+  sample "its further columns" columns_sound "$work/python.csv" full
   sample "plot_performance.py" "$PYTHON" "$REPO/samples/plot_performance.py" "$LOGS/perf.xml" --markdown="$work/performance.md"
   sample "its table" grep -q 'Tools Tracker update' "$work/performance.md"
   run_evaluation "$work"
+  run_stereo "$work"
   sample "refused: no such sequence" refuses "$work/none" "$track" --sequence="$work/none"
   sample "refused: no such method" refuses method "$track" --sequence="$work/sequence" --method=none
   sample "refused: output folder missing" refuses "$work/none/poses.csv" "$track" --sequence="$work/sequence" \

@@ -119,23 +119,15 @@ public:
     //! @param frames at most so many; 0 = all
     const Run& track(int frames, bool quiet)
     {
-        common::FrameReader reader(*data_.sequence, 0);
-        Ptr<common::FrameReader> rightReader;
-        if (stereo_)
-            rightReader = makePtr<common::FrameReader>(*data_.sequence, 0, true);
+        common::EyesReader reader(*data_.sequence, 0, stereo_);
         common::Progress progress(frames > 0 ? std::min(frames, reader.count()) : reader.count(), quiet);
         Mat left, right;
         std::vector<std::vector<double> > joints;
         std::vector<ToolEstimate> estimates;
         for (int frame = 0; frames == 0 || frame < frames; frame++)
         {
-            if (!reader.read(left))
-            {
-                reader.checkEnd(*data_.sequence);
+            if (!reader.read(left, right))
                 break;
-            }
-            if (stereo_ && !rightReader->read(right))
-                fail(format("%s: ends after %d frames, before the left video does", data_.sequence->rightVideo().c_str(), frame));
             data_.joints(frame, joints);
             if (stereo_)
                 tracker_->updateStereo(left, right, data_.time(frame), joints, estimates);

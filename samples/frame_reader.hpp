@@ -74,6 +74,12 @@ public:
             fail(cv::format("%s: ends after %d frames, expected %d as in the ground truth", filename_.c_str(), next_, sequence.groundTruthEnd()));
     }
 
+    //! Throws that the video should have gone on as another one did.
+    CV_NORETURN void failEnd(const FrameReader& other) const
+    {
+        fail(cv::format("%s: ends after %d frames, expected more, as in %s", filename_.c_str(), next_, other.filename_.c_str()));
+    }
+
     int count() const { return count_; }
 
 private:
@@ -117,6 +123,37 @@ private:
     std::mutex mutex_;
     std::condition_variable changed_;
     std::thread thread_;
+};
+
+//! The frames of one eye, or of both side by side.
+class EyesReader
+{
+public:
+    EyesReader(const cv::surgtrack::Sequence& sequence, int start, bool stereo) : sequence_(sequence), left_(sequence, start)
+    {
+        if (stereo)
+            right_ = cv::makePtr<FrameReader>(sequence, start, true);
+    }
+
+    //! right is left alone without stereo. Throws at the end of one video if it should have gone on, or the other one does.
+    bool read(cv::Mat& left, cv::Mat& right)
+    {
+        const bool leftFound = left_.read(left), rightFound = right_ ? right_->read(right) : leftFound;
+        if (!leftFound)
+            left_.checkEnd(sequence_);
+        if (right_ && !rightFound)
+            right_->checkEnd(sequence_);
+        if (leftFound != rightFound)
+            (leftFound ? *right_ : left_).failEnd(leftFound ? left_ : *right_);
+        return leftFound;
+    }
+
+    int count() const { return left_.count(); }
+
+private:
+    const cv::surgtrack::Sequence& sequence_;
+    FrameReader left_;
+    cv::Ptr<FrameReader> right_;
 };
 
 } // namespace common

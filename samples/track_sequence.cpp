@@ -4,6 +4,7 @@
 
 // Tracks the tools of a recorded sequence: video, joint readings and a rough hand-eye calibration in, tool poses out.
 
+#include <limits>
 #include <map>
 #include "opencv2/imgproc.hpp"
 #include "opencv2/videoio.hpp"
@@ -23,7 +24,7 @@ const char* const KEYS =
     "{ poses    |       | CSV file to write the poses to }"
     "{ video    |       | MP4 file to draw the result into: kinematics in red, estimate in green, matched parts as dots }"
     "{ method   | full  | full: with joint offsets and outlines; paper: Ye et al. 2016; epnp: their baseline, EPnP on each frame alone }"
-    "{ stereo   |       | use the right image too }"
+    "{ stereo   |       | use the right image too; method full only }"
     "{ start    | 0     | first frame }"
     "{ frames   | 0     | number of frames, 0 = to the end of the video }"
     "{ time-offset | 0  | the joints that belong to the image of time t were recorded at t + SECONDS; auto: found from the sequence }"
@@ -35,7 +36,7 @@ struct Options
     String sequence, poses, video;
     int method, start, frames;
     double timeOffset;    // [s]
-    bool findTimeOffset, renderAhead, quiet;
+    bool findTimeOffset, stereo, renderAhead, quiet;
 };
 
 void readTimeOffset(const String& text, Options& options)
@@ -62,8 +63,9 @@ Options readOptions(const CommandLineParser& parser)
     if (method != "full" && method != "paper" && method != "epnp")
         fail("argument '--method=" + method + "': the methods available are full, paper and epnp");
     options.method = method == "full" ? METHOD_FULL : method == "paper" ? METHOD_PAPER : METHOD_EPNP;
-    if (parser.has("stereo"))
-        fail("argument '--stereo': method " + method + " uses one image, run it without --stereo");
+    options.stereo = parser.has("stereo");
+    if (options.stereo && options.method != METHOD_FULL)
+        fail("argument '--stereo': method " + method + " uses one image, expected --method=full");
     return options;
 }
 
@@ -118,6 +120,14 @@ struct Run
     double seconds, timeOffset;
 };
 
+//! The readings with the offsets that were found; those of METHOD_PAPER and METHOD_EPNP are 0.
+std::vector<double> corrected(std::vector<double> joints, const ToolEstimate& estimate)
+{
+    for (size_t i = 0; i < estimate.jointOffsets.size(); i++)
+        joints[i] += estimate.jointOffsets[i];
+    return joints;
+}
+
 void drawResult(Mat& image, const Run& run, const std::vector<std::vector<double> >& joints, const std::vector<ToolEstimate>& estimates)
 {
     const CameraModel camera = run.sequence->leftCamera();
@@ -130,7 +140,8 @@ void drawResult(Mat& image, const Run& run, const std::vector<std::vector<double
         const bool known = estimate.state == STATE_TRACKING || estimate.state == STATE_COASTING;
         drawSkeleton(image, camera, run.tools[i].model, joints[i], nominal_T_base, Scalar(0, 0, 255));
         if (known)
-            drawSkeleton(image, camera, run.tools[i].model, joints[i], estimate.camera_T_nominal * nominal_T_base, Scalar(0, 255, 0));
+            drawSkeleton(image, camera, run.tools[i].model, corrected(joints[i], estimate), estimate.camera_T_nominal * nominal_T_base,
+                         Scalar(0, 255, 0));
         const int parts = (int)run.tools[i].model->keypointNames().size();
         for (size_t j = 0; j < estimate.matches.size(); j++)
         {
@@ -139,17 +150,41 @@ void drawResult(Mat& image, const Run& run, const std::vector<std::vector<double
             circle(image, estimate.matches[j].imagePoint, cvRound(4 * scale), Scalar(bgr.at<Vec3b>(0)), FILLED, LINE_AA);
             circle(image, estimate.matches[j].imagePoint, cvRound(4 * scale), Scalar(0, 0, 0), thickness, LINE_AA);
         }
-        const String text = format("%s  %s  similarity %.2f", run.tools[i].info.name.c_str(), stateName(estimate.state).c_str(), estimate.similarity);
+        String text = format("%s  %s  similarity %.2f", run.tools[i].info.name.c_str(), stateName(estimate.state).c_str(), estimate.similarity);
+        if (estimate.contourSupport > 0)
+            text += format("  outline %.2f", estimate.contourSupport);
         const Point origin(cvRound(10 * scale), cvRound((22 + 22 * (double)i) * scale));
         putText(image, text, origin, FONT_HERSHEY_SIMPLEX, 0.55 * scale, Scalar(0, 0, 0), 3 * thickness, LINE_AA);
         putText(image, text, origin, FONT_HERSHEY_SIMPLEX, 0.55 * scale, known ? Scalar(120, 255, 120) : Scalar(120, 120, 255), thickness, LINE_AA);
     }
 }
 
-std::vector<double> row(const ToolEstimate& estimate)
+//! Names of the further columns of the poses file.
+std::vector<String> columns(const Run& run)
 {
-    const double values[] = { (double)estimate.visibleParts, (double)estimate.inliers, estimate.similarity, estimate.nis };
-    return std::vector<double>(values, values + 4);
+    const char* const names[] = { "visible", "inliers", "similarity", "contour", "nis", "sd_rx", "sd_ry", "sd_rz", "sd_tx", "sd_ty", "sd_tz" };
+    std::vector<String> result(names, names + 11);
+    const std::vector<String> coordinates = run.tools[0].model->coordinateNames();
+    for (size_t i = 0; i < coordinates.size(); i++)
+        result.push_back("offset_" + coordinates[i]);
+    return result;
+}
+
+//! Their values; those there are none of are not finite: the file leaves them empty.
+std::vector<double> row(const Run& run, int tool, const ToolEstimate& estimate)
+{
+    const double nothing = std::numeric_limits<double>::quiet_NaN();
+    const double values[] = { (double)estimate.visibleParts, (double)estimate.inliers, estimate.similarity, estimate.contourSupport, estimate.nis };
+    std::vector<double> result(values, values + 5);
+    for (int i = 0; i < 6; i++)
+        result.push_back(estimate.covariance(i, i) > 0 ? std::sqrt(estimate.covariance(i, i)) : nothing);
+    const std::vector<String> coordinates = run.tools[0].model->coordinateNames(), own = run.tools[tool].model->coordinateNames();
+    for (size_t i = 0; i < coordinates.size(); i++)
+    {
+        const size_t k = std::find(own.begin(), own.end(), coordinates[i]) - own.begin();
+        result.push_back(k < estimate.jointOffsets.size() ? estimate.jointOffsets[k] : nothing);
+    }
+    return result;
 }
 
 //! Time of the joint readings that belong to a frame.
@@ -176,13 +211,19 @@ void prepare(const Options& options, Run& run)
         folder = "surgtrack_demo";
         if (!options.quiet)
             std::fprintf(stderr, "making a synthetic sequence in %s\n", folder.c_str());
-        SyntheticScene::create()->write(folder);
+        SyntheticScene::Params scene;
+        scene.stereo = options.stereo;
+        SyntheticScene::create(Ptr<ToolModel>(), scene)->write(folder);
     }
     run.sequence = Sequence::load(folder);
+    if (options.stereo && !run.sequence->isStereo())
+        fail("argument '--stereo': sequence " + folder + " has one camera, expected 'right' and 'right_T_left' in its sequence.yaml");
 
     ToolTracker::Params params;
     params.method = options.method;
     run.tracker = ToolTracker::create(run.sequence->leftCamera(), params);
+    if (options.stereo)
+        run.tracker->setRightCamera(run.sequence->rightCamera(), run.sequence->right_T_left());
     std::map<String, Ptr<ToolModel> > models;
     for (int i = 0; i < run.sequence->toolCount(); i++)
     {
@@ -222,18 +263,26 @@ void skipFrame(Run& run, int frame, std::vector<std::vector<double> >& joints, s
         const Tool& tool = run.tools[i];
         const double time = std::min(std::max(readingTime(run, frame), run.sequence->firstTime(i)), run.sequence->lastTime(i));
         run.sequence->jointsAt(i, time, joints[i], tool.model->coordinateNames());
-        const Matx44d camera_T_nominal = estimates[i].camera_T_nominal;
-        estimates[i] = ToolEstimate();
-        estimates[i].state = before ? STATE_INITIALIZING : STATE_LOST;
-        estimates[i].camera_T_nominal = camera_T_nominal;
-        estimates[i].camera_T_tool = camera_T_nominal * tool.info.nominal_T_base * tool.model->endEffectorPose(joints[i]);
+        ToolEstimate estimate;
+        estimate.state = before ? STATE_INITIALIZING : STATE_LOST;
+        estimate.camera_T_nominal = estimates[i].camera_T_nominal;
+        estimate.jointOffsets = estimates[i].jointOffsets;
+        estimate.jointOffsets.resize(joints[i].size(), 0.);
+        estimate.camera_T_tool = estimate.camera_T_nominal * tool.info.nominal_T_base * tool.model->endEffectorPose(corrected(joints[i], estimate));
+        estimates[i] = estimate;
     }
     run.skipped++;
 }
 
-void trackFrame(Run& run, int frame, const Mat& image, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates)
+//! right is empty without --stereo
+void trackFrame(Run& run, int frame, const Mat& image, const Mat& right, const std::vector<std::vector<double> >& joints,
+                std::vector<ToolEstimate>& estimates)
 {
-    run.tracker->update(image, frame / run.sequence->fps(), joints, estimates);
+    const double time = frame / run.sequence->fps();
+    if (right.empty())
+        run.tracker->update(image, time, joints, estimates);
+    else
+        run.tracker->updateStereo(image, right, time, joints, estimates);
     const std::vector<StageTime> times = run.tracker->getTimings();
     run.timings.resize(times.size());
     for (size_t i = 0; i < times.size(); i++)
@@ -247,7 +296,7 @@ void record(Run& run, int frame, const std::vector<ToolEstimate>& estimates, Pos
     {
         run.tools[i].tracked += estimates[i].state == STATE_TRACKING;
         if (writer)
-            writer->write(frame, time, run.tools[i].info.name, estimates[i].state, estimates[i].camera_T_tool, row(estimates[i]));
+            writer->write(frame, time, run.tools[i].info.name, estimates[i].state, estimates[i].camera_T_tool, row(run, i, estimates[i]));
         Matx44d truth;
         std::vector<double> trueJoints;
         if (run.scorer && run.sequence->groundTruth(i, frame, truth, trueJoints))
@@ -258,11 +307,10 @@ void record(Run& run, int frame, const std::vector<ToolEstimate>& estimates, Pos
 
 void track(const Options& options, Run& run)
 {
-    common::FrameReader reader(*run.sequence, options.start);
-    const char* const names[] = { "visible", "inliers", "similarity", "nis" };
+    common::EyesReader reader(*run.sequence, options.start, options.stereo);
     Ptr<PoseWriter> writer;
     if (!options.poses.empty())
-        writer = PoseWriter::create(options.poses, std::vector<String>(names, names + 4));
+        writer = PoseWriter::create(options.poses, columns(run));
     Ptr<Overlay> overlay;
     if (!options.video.empty())
         overlay = makePtr<Overlay>(options.video, run.sequence->fps(), run.sequence->leftCamera().imageSize());
@@ -270,16 +318,13 @@ void track(const Options& options, Run& run)
     const int remaining = std::max(0, reader.count() - options.start);
     common::Progress progress(options.frames > 0 ? std::min(options.frames, remaining) : remaining, options.quiet);
     const int64 startTick = getTickCount();
-    Mat image;
+    Mat image, right;
     std::vector<std::vector<double> > joints, nextJoints;
     std::vector<ToolEstimate> estimates;
     for (int frame = options.start; options.frames == 0 || frame < options.start + options.frames; frame++)
     {
-        if (!reader.read(image))
-        {
-            reader.checkEnd(*run.sequence);
+        if (!reader.read(image, right))
             break;
-        }
         const int missing = readJoints(run, frame, joints);
         if (missing >= 0 && run.timeOffset == 0)
             fail(format("%s: no joint readings of tool '%s' at %.3f s (frame %d), expected the time of every frame; they cover %.3f to %.3f s",
@@ -291,7 +336,7 @@ void track(const Options& options, Run& run)
         {
             if (options.renderAhead && readJoints(run, frame + 1, nextJoints) < 0)
                 run.tracker->renderAhead(nextJoints);
-            trackFrame(run, frame, image, joints, estimates);
+            trackFrame(run, frame, image, right, joints, estimates);
         }
         record(run, frame, estimates, writer.get());
         if (overlay)

@@ -16,7 +16,7 @@ import numpy as np
 import cv2 as cv
 from cv2 import surgtrack as st
 
-METHODS = {'paper': st.METHOD_PAPER, 'epnp': st.METHOD_EPNP}
+METHODS = {'full': st.METHOD_FULL, 'paper': st.METHOD_PAPER, 'epnp': st.METHOD_EPNP}
 
 
 class Failure(Exception):
@@ -51,8 +51,9 @@ def parse_arguments():
     parser.add_argument('--sequence', help='folder of the sequence; without it a synthetic one is made in ./surgtrack_demo and tracked')
     parser.add_argument('--poses', help='CSV file to write the poses to')
     parser.add_argument('--video', help='MP4 file to draw the result into: kinematics in red, estimate in green, matched parts as dots')
-    parser.add_argument('--method', default='paper', help='paper: Ye et al. 2016; epnp: their baseline, EPnP on each frame alone')
-    parser.add_argument('--stereo', action='store_true', help='use the right image too')
+    parser.add_argument('--method', default='full',
+                        help='full: with joint offsets and outlines; paper: Ye et al. 2016; epnp: their baseline, EPnP on each frame alone')
+    parser.add_argument('--stereo', action='store_true', help='use the right image too; method full only')
     parser.add_argument('--start', type=count, default=0, help='first frame')
     parser.add_argument('--frames', type=count, default=0, help='number of frames, 0 = to the end of the video')
     parser.add_argument('--time-offset', type=time_offset, default=0., metavar='SECONDS',
@@ -62,18 +63,18 @@ def parse_arguments():
     parser.add_argument('--quiet', action='store_true', help='no progress')
     args = parser.parse_args()
     if args.method not in METHODS:
-        raise Failure("argument '--method=%s': the methods available are paper and epnp" % args.method)
-    if args.stereo:
-        raise Failure("argument '--stereo': method %s uses one image, run it without --stereo" % args.method)
+        raise Failure("argument '--method=%s': the methods available are full, paper and epnp" % args.method)
+    if args.stereo and args.method != 'full':
+        raise Failure("argument '--stereo': method %s uses one image, expected --method=full" % args.method)
     return args
 
 
 class FrameReader:
     """A video whose frames all have the size the sequence says; decoded in a thread of its own, one frame ahead."""
 
-    def __init__(self, sequence, start):
-        self.filename = sequence.leftVideo()
-        self.size = sequence.leftCamera().imageSize()
+    def __init__(self, sequence, start, right=False):
+        self.filename = sequence.rightVideo() if right else sequence.leftVideo()
+        self.size = (sequence.rightCamera() if right else sequence.leftCamera()).imageSize()
         self.capture = cv.VideoCapture(self.filename)
         if not self.capture.isOpened():
             raise Failure('%s: can\'t be read as a video' % self.filename)
@@ -101,6 +102,26 @@ class FrameReader:
         for expected, source, slack in ((self.count, 'its header says', 2), (sequence.groundTruthEnd(), 'in the ground truth', 0)):
             if self.next + slack < expected:
                 raise Failure('%s: ends after %d frames, expected %d as %s' % (self.filename, self.next, expected, source))
+
+
+class EyesReader:
+    """The frames of one eye, or of both side by side."""
+
+    def __init__(self, sequence, start, stereo):
+        self.sequence = sequence
+        self.readers = [FrameReader(sequence, start, right) for right in ([False, True] if stereo else [False])]
+        self.count = self.readers[0].count
+
+    def read(self):
+        """The images; None at the end of the videos, an error if one of them should have gone on."""
+        images = [reader.read() for reader in self.readers]
+        ended = [reader for reader, image in zip(self.readers, images) if image is None]
+        for reader in ended:
+            reader.check_end(self.sequence)
+        if len(ended) == 1 < len(images):
+            other = self.readers[1 - self.readers.index(ended[0])]
+            raise Failure('%s: ends after %d frames, expected more, as in %s' % (ended[0].filename, ended[0].next, other.filename))
+        return None if ended else images
 
 
 class Overlay:
@@ -154,9 +175,15 @@ class Tool:
 class Skipped:
     """What ToolEstimate holds, for a frame without joint readings."""
 
-    def __init__(self, state, camera_T_nominal, camera_T_tool):
-        self.state, self.camera_T_nominal, self.camera_T_tool = state, camera_T_nominal, camera_T_tool
-        self.visibleParts, self.inliers, self.similarity, self.nis, self.matches = 0, 0, 0., 0., []
+    def __init__(self, state, camera_T_nominal, offsets, camera_T_tool):
+        self.state, self.camera_T_nominal, self.jointOffsets, self.camera_T_tool = state, camera_T_nominal, offsets, camera_T_tool
+        self.visibleParts, self.inliers, self.similarity, self.contourSupport, self.nis, self.matches = 0, 0, 0., 0., 0., []
+        self.covariance = np.zeros((6, 6))
+
+
+def corrected(joints, estimate):
+    """The readings with the offsets that were found; those of METHOD_PAPER and METHOD_EPNP are 0."""
+    return np.array(joints) + np.array(estimate.jointOffsets)
 
 
 class Run:
@@ -166,11 +193,17 @@ class Run:
             folder = 'surgtrack_demo'
             if not args.quiet:
                 sys.stderr.write('making a synthetic sequence in %s\n' % folder)
-            st.SyntheticScene.create().write(folder)
+            scene = st.SyntheticScene.Params()
+            scene.stereo = args.stereo
+            st.SyntheticScene.create(None, scene).write(folder)
         self.sequence = st.Sequence.load(folder)
+        if args.stereo and not self.sequence.isStereo():
+            raise Failure("argument '--stereo': sequence %s has one camera, expected 'right' and 'right_T_left' in its sequence.yaml" % folder)
         params = st.ToolTracker.Params()
         params.method = METHODS[args.method]
         self.tracker = st.ToolTracker.create(self.sequence.leftCamera(), params)
+        if args.stereo:
+            self.tracker.setRightCamera(self.sequence.rightCamera(), self.sequence.right_T_left())
         self.tools, models = [], {}
         for i in range(self.sequence.toolCount()):
             info = self.sequence.tool(i)
@@ -215,8 +248,12 @@ class Run:
             result.append(joints)
         return result
 
-    def update(self, frame, image, joints):
-        estimates = self.tracker.update(image, frame / self.sequence.fps(), joints)
+    def update(self, frame, images, joints):
+        seconds = frame / self.sequence.fps()
+        if len(images) > 1:
+            estimates = self.tracker.updateStereo(images[0], images[1], seconds, joints)
+        else:
+            estimates = self.tracker.update(images[0], seconds, joints)
         self.timings.append([stage.last for stage in self.tracker.getTimings()])
         return estimates
 
@@ -228,18 +265,32 @@ class Run:
             seconds = min(max(self.reading_time(frame), self.sequence.firstTime(i)), self.sequence.lastTime(i))
             joints = self.sequence.jointsAt(i, seconds, tool.model.coordinateNames())[1]
             camera_T_nominal = last[i].camera_T_nominal if last else np.eye(4)
-            nominal_T_tool = np.dot(tool.info.nominal_T_base, tool.model.endEffectorPose(np.array(joints)))
+            offsets = last[i].jointOffsets if last else [0.] * len(joints)
+            nominal_T_tool = np.dot(tool.info.nominal_T_base, tool.model.endEffectorPose(np.array(joints) + np.array(offsets)))
             readings.append(joints)
-            estimates.append(Skipped(state, camera_T_nominal, np.dot(camera_T_nominal, nominal_T_tool)))
+            estimates.append(Skipped(state, camera_T_nominal, offsets, np.dot(camera_T_nominal, nominal_T_tool)))
         self.skipped += 1
         return readings, estimates
+
+    def columns(self):
+        """Names of the further columns of the poses file."""
+        deviations = ['sd_rx', 'sd_ry', 'sd_rz', 'sd_tx', 'sd_ty', 'sd_tz']
+        offsets = ['offset_' + name for name in self.tools[0].model.coordinateNames()]
+        return ['visible', 'inliers', 'similarity', 'contour', 'nis'] + deviations + offsets
+
+    def row(self, tool, e):
+        """Their values; those there are none of are not finite: the file leaves them empty."""
+        deviations = [np.sqrt(v) if v > 0 else np.nan for v in np.diag(e.covariance)]
+        own = dict(zip(tool.model.coordinateNames(), e.jointOffsets))
+        offsets = [own.get(name, np.nan) for name in self.tools[0].model.coordinateNames()]
+        return [e.visibleParts, e.inliers, e.similarity, e.contourSupport, e.nis] + deviations + offsets
 
     def record(self, frame, estimates, writer):
         seconds = frame / self.sequence.fps()
         for i, (tool, e) in enumerate(zip(self.tools, estimates)):
             tool.tracked += e.state == st.STATE_TRACKING
             if writer is not None:
-                writer.write(frame, seconds, tool.info.name, e.state, e.camera_T_tool, [e.visibleParts, e.inliers, e.similarity, e.nis])
+                writer.write(frame, seconds, tool.info.name, e.state, e.camera_T_tool, self.row(tool, e))
             if self.scorer is not None:
                 found, truth, _ = self.sequence.groundTruth(i, frame)
                 if found:
@@ -253,7 +304,8 @@ class Run:
             known = e.state in (st.STATE_TRACKING, st.STATE_COASTING)
             st.drawSkeleton(image, camera, tool.model, joints[i], tool.info.nominal_T_base, (0, 0, 255))
             if known:
-                st.drawSkeleton(image, camera, tool.model, joints[i], e.camera_T_nominal.dot(tool.info.nominal_T_base), (0, 255, 0))
+                camera_T_base = e.camera_T_nominal.dot(tool.info.nominal_T_base)
+                st.drawSkeleton(image, camera, tool.model, corrected(joints[i], e), camera_T_base, (0, 255, 0))
             parts = len(tool.model.keypointNames())
             for match in e.matches:
                 hsv = np.uint8([[[179 * match.part // parts, 255, 255]]])
@@ -261,6 +313,8 @@ class Run:
                 cv.circle(image, point, int(4 * scale), cv.cvtColor(hsv, cv.COLOR_HSV2BGR)[0, 0].tolist(), cv.FILLED, cv.LINE_AA)
                 cv.circle(image, point, int(4 * scale), (0, 0, 0), thickness, cv.LINE_AA)
             text = '%s  %s  similarity %.2f' % (tool.info.name, st.stateName(e.state), e.similarity)
+            if e.contourSupport > 0:
+                text += '  outline %.2f' % e.contourSupport
             origin = (int(10 * scale), int((22 + 22 * i) * scale))
             cv.putText(image, text, origin, cv.FONT_HERSHEY_SIMPLEX, 0.55 * scale, (0, 0, 0), 3 * thickness, cv.LINE_AA)
             color = (120, 255, 120) if known else (120, 120, 255)
@@ -290,17 +344,16 @@ class Run:
 
 
 def track(args, run):
-    reader = FrameReader(run.sequence, args.start)
-    writer = st.PoseWriter.create(args.poses, ['visible', 'inliers', 'similarity', 'nis']) if args.poses else None
+    reader = EyesReader(run.sequence, args.start, args.stereo)
+    writer = st.PoseWriter.create(args.poses, run.columns()) if args.poses else None
     overlay = Overlay(args.video, run.sequence.fps(), run.sequence.leftCamera().imageSize()) if args.video else None
     remaining = max(0, reader.count - args.start)
     progress = Progress(min(args.frames, remaining) if args.frames else remaining, args.quiet)
     begin, frame, estimates = time.time(), args.start, None
     try:
         while args.frames == 0 or frame < args.start + args.frames:
-            image = reader.read()
-            if image is None:
-                reader.check_end(run.sequence)
+            images = reader.read()
+            if images is None:
                 break
             joints = run.joints(frame)
             if joints is None:
@@ -308,11 +361,11 @@ def track(args, run):
             else:
                 if args.render_ahead:
                     run.render_ahead(frame + 1)
-                estimates = run.update(frame, image, joints)
+                estimates = run.update(frame, images, joints)
             run.record(frame, estimates, writer)
             if overlay is not None:
-                run.draw(image, joints, estimates)
-                overlay.write(image)
+                run.draw(images[0], joints, estimates)
+                overlay.write(images[0])
             run.seconds = time.time() - begin
             progress.show(run.frames)
             frame += 1

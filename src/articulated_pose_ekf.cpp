@@ -225,7 +225,7 @@ void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double g
         state_.P(3 + i, 3 + i) += growth * growth * params_.processTranslation * params_.processTranslation;
     }
     for (size_t i = 0; i < stateOf_.size(); i++)
-        if (stateOf_[i] >= 0) state_.P(stateOf_[i], stateOf_[i]) += std::pow(params_.processJoint * deviations_[i], 2);
+        if (stateOf_[i] >= 0) state_.P(stateOf_[i], stateOf_[i]) += std::pow(growth * params_.processJoint * deviations_[i], 2);
     predicted_ = state_;
     moved_.setZero(n_);
     begin();

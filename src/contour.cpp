@@ -95,6 +95,22 @@ const double across = 0.8;          // so far from the edge the drawing tells wh
 const double depthSlack = 1e-3;    // [m]
 
 
+// Whether nothing is drawn in the pixels just outside of an outline's point. Edges of the tool less than a pixel inside of its
+// outline have background beside them too.
+bool isOutermost(const Mat& ids, const Point2d& point, const Point2d& normal)
+{
+    const double least = 0.05, most = 1.2, aside = 1;   // of pixel centres, along the normal and across [pixel]
+    const Point middle(cvRound(point.x), cvRound(point.y));
+    for (int y = middle.y - 1; y <= middle.y + 1; y++)
+        for (int x = middle.x - 1; x <= middle.x + 1; x++)
+        {
+            const Point2d d = Point2d(x, y) - point;
+            const double out = d.dot(normal);
+            if (ids.at<uchar>(y, x) && out > least && out < most && std::abs(d.cross(normal)) < aside) return false;
+        }
+    return true;
+}
+
 class ToolContourImpl CV_FINAL : public ToolContour
 {
 public:
@@ -241,6 +257,7 @@ void ToolContourImpl::sample(const CameraModel& camera, const ToolView& view, co
                 if ((flip ? ido : idn) != id) continue;
                 if (flip) c.normal = -c.normal;
                 inwards = flip;
+                if (!isOutermost(rendering.ids, local, c.normal)) continue;
                 if (p.z > rendering.depth.at<float>(flip ? o : n) + depthSlack * 3) continue;
             }
             c.link = s.link;

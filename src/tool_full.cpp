@@ -47,6 +47,7 @@ const double clearSimilarity = 0.8, noiseOfDissimilarity = 4;
 // A push of the camera, or a slip: the constant state is no longer believed.
 const double pushRotation = CV_PI / 180, pushTranslation = 0.002;   // [rad], [m]
 const int pushedFrames = 10;
+const int settlingFrames = 15;         // after a first pose, which may be the wrong one of two that look alike in one frame
 const double pushedSimilarity = 0.55;  // of all points that agree
 const double pushedNis = 0.75;         // of points, per degree of freedom
 const double pushedLikelihood = 2;     // logarithm of the ratio; 99 of 100 frames without a push have less than 1
@@ -244,7 +245,11 @@ bool ToolTrackerImpl::beginAnew(int index, int first, int last)
     {
         if (k > 0) tool.before->copyTo(*tool.full);
         fit(index, best[k].inliers);
-        if (evidence(tool) >= startEvidence && int(tool.inliers.size()) > minPoints && plausible(tool, tool.full->correction())) return true;
+        if (evidence(tool) >= startEvidence && int(tool.inliers.size()) > minPoints && plausible(tool, tool.full->correction()))
+        {
+            tool.boosted = settlingFrames;
+            return true;
+        }
     }
     tool.before->copyTo(*tool.full);
     tool.inliers.clear();
@@ -284,6 +289,25 @@ bool ToolTrackerImpl::searchFull(int index)
     return found;
 }
 
+void ToolTrackerImpl::dropPoints(TrackedTool& tool)
+{
+    tool.full->undo();
+    tool.inliers.clear();
+    for (size_t e = 0; e < open_; e++) eyes_[e].inliers.clear();
+    tool.nis = 0;
+    tool.points = false;
+}
+
+void ToolTrackerImpl::correctByOutline(int index, const TemplateSet* ahead)
+{
+    dropPoints(tools_[index]);
+    views_[index] = tools_[index].full->view();
+    if (!ahead)   // the push may have had it drawn elsewhere
+        for (size_t e = 0; e < open_; e++) draw(index, eyes_[e]);
+    sampleContours(index, ahead);
+    refine(tools_[index], trackPass);
+}
+
 /* Points, then contours, from the filter's prediction. ahead: where the outline was drawn, if not in this frame
    Returns whether all this, with a push before, is that much likelier than without. */
 bool ToolTrackerImpl::correctFull(int index, const TemplateSet* ahead)
@@ -293,12 +317,7 @@ bool ToolTrackerImpl::correctFull(int index, const TemplateSet* ahead)
     const int passed = correctPoints(tool);
     bool pushed = int(matches.size()) > minPoints && meanSimilarity(matches) > pushedSimilarity
                   && (2 * passed < int(matches.size()) || tool.nis > pushedNis);
-    if (passed < minPoints)   // the outline alone may do
-    {
-        tool.full->undo();
-        tool.inliers.clear();
-        tool.nis = 0;
-    }
+    if (passed < minPoints) dropPoints(tool);   // the outline alone may do
     tool.points = passed >= minPoints;
     sampleContours(index, ahead);
     if (movedSince(index, ahead ? ahead->views : eyes_[0].views))
@@ -337,6 +356,7 @@ bool ToolTrackerImpl::measureFull(int index, const TemplateSet* ahead)
             tool.contourSupport = support;
             tool.nis = nis;
             tool.points = points;
+            if (nis > pushedNis) correctByOutline(index, ahead);   // the set of points is a false one
         }
     }
     // A first pose that is to be confirmed, and one after a gap, need more; an outline alone only continues.

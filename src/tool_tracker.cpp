@@ -31,7 +31,7 @@ namespace {
 // Gradients of a pixel reach so far: blur 3, Sobel and vote 1 each.
 const int gradientReach = 5;
 
-// For some frames after a push Q is larger: 0.3 degrees, 0.9 mm.
+// For some frames after a first pose or a push the deviations of Q are larger.
 const double pushedGrowth = 3;
 
 // Of a first pose; the outline tells the rest.

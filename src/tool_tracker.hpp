@@ -120,6 +120,8 @@ private:
     bool searchFull(int tool);
     bool beginAnew(int tool, int first, int last);
     void fit(int tool, const std::vector<PartMatch>& inliers);
+    void dropPoints(TrackedTool& tool);
+    void correctByOutline(int tool, const TemplateSet* ahead);
     bool correctFull(int tool, const TemplateSet* ahead);
     bool measureFull(int tool, const TemplateSet* ahead);
     void concludeFull(TrackedTool& tool, bool seen);

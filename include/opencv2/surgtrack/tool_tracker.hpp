@@ -21,7 +21,7 @@ enum TrackingMethod
 {
     METHOD_PAPER = 0,   //!< @cite ye2016realtime as published: six-state filter on the hand-eye correction
     METHOD_EPNP = 1,    //!< the paper's baseline: EPnP on the matches of each frame alone
-    METHOD_FULL = 2     //!< with joint offsets, outlines, both eyes and a verdict that can be relied on
+    METHOD_FULL = 2     //!< beyond the paper: joint offsets, outlines, both eyes, pushes of the camera, and evidence from parts and outline
 };
 
 //! What an estimate is worth.
@@ -45,21 +45,21 @@ struct CV_EXPORTS_W_SIMPLE ToolEstimate
     CV_PROP Matx44d camera_T_tool;       //!< pose of the end effector in the camera frame [m]
     CV_PROP Matx44d camera_T_nominal;    //!< the correction of the hand-eye calibration
     CV_PROP Matx66d covariance;          //!< of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame; zero with METHOD_EPNP
-    CV_PROP std::vector<double> jointOffsets;   //!< METHOD_FULL: one per coordinate, what is added to the reading [rad or m]; else zeros
-    CV_PROP int visibleParts;            //!< parts that had a template
-    CV_PROP int inliers;                 //!< matches that agreed on the geometric context and went into the pose
+    CV_PROP std::vector<double> jointOffsets;   //!< METHOD_FULL: one per coordinate, what is added to the reading [rad or m], and 0 where ToolModel::offsetDeviations() is; else zeros
+    CV_PROP int visibleParts;            //!< parts that had a template, in the left image
+    CV_PROP int inliers;                 //!< matches in the left image that agreed on the geometric context and went into the pose; 0 if nothing was measured, or METHOD_FULL followed the outline alone
     CV_PROP double similarity;           //!< mean similarity of the inliers, 0..1; 0 without inliers
-    CV_PROP double contourSupport;       //!< METHOD_FULL: share of the visible outline that has an edge in the image where it should be, 0..1; else 0
-    CV_PROP double nis;                  //!< normalised innovation squared per degree of freedom; about 1 if the filter is consistent; 0 with METHOD_EPNP
+    CV_PROP double contourSupport;       //!< METHOD_FULL: share of the visible outline, in both eyes, whose strongest edge within 6 px is at most 1.5 px off (pixels at 720 px width), 0..1; else 0. Of the last pose that was looked at, also if it was not believed
+    CV_PROP double nis;                  //!< of the inliers, normalised innovation squared per degree of freedom; about 1 if image points are as bad as the filter takes them for, less if they are better; 0 with METHOD_EPNP and without inliers
     CV_PROP std::vector<PartMatch> matches;   //!< the inliers
 };
 
-/** @brief How long a stage of ToolTracker::update() takes. A frame is one sample: the sum over all tools, 0 if the stage was not reached. */
+/** @brief How long a stage of ToolTracker::update() takes. A frame is one sample: the sum over all tools and eyes, 0 if the stage was not reached. */
 struct CV_EXPORTS_W_SIMPLE StageTime
 {
     CV_WRAP StageTime();
 
-    CV_PROP String name;   //!< `render`, `image`, `match`, `verify`, `filter`, `contour` or `total`, all of update()
+    CV_PROP String name;   //!< `render`, `image`, `match`, `verify`, `filter`, `contour` (METHOD_FULL) or `total`, all of update()
     CV_PROP int calls;     //!< frames; without any, the times are 0
     CV_PROP double last;   //!< of the last frame [s]
     CV_PROP double mean;   //!< [s]
@@ -69,9 +69,30 @@ struct CV_EXPORTS_W_SIMPLE StageTime
 
 /** @brief Finds the pose of articulated tools in the camera from video and joint readings.
 
-Per frame (paper, Sec. 2): the tools are drawn as the kinematics and the last correction say they look; part templates are
-cut from the drawing (PartTemplateRenderer), found in the image (QGOMatcher), kept where their arrangement agrees
-(GeometricContextVerifier), and fused with the kinematics (ToolPoseEKF).
+METHOD_PAPER, per frame (paper, Sec. 2): the tools are drawn as the kinematics and the last correction say they look (Sec. 2.1);
+part templates are cut from the drawing (PartTemplateRenderer), found in the image (QGOMatcher), kept where their arrangement
+agrees (GeometricContextVerifier, Sec. 2.2), and fused with the kinematics (ToolPoseEKF, Sec. 2.3). METHOD_EPNP has EPnP in
+place of the filter.
+
+METHOD_FULL, per frame:
+- Parts are drawn, found and verified as above, in each eye. Samples of the geometric context that scale or turn too much are
+  skipped and the best one is taken, not the first: fewer wrong inliers.
+- ArticulatedPoseEKF takes them in. It has the offset of each wrist and jaw reading in its state, beside the correction: cables
+  stretch, and no rigid correction repairs a reading.
+- The outline is placed where this pose has it (ToolContour), edges are sought on its normals (matchContour()), within 8, 5 and
+  3 pixels in turn (at 720 px width), and taken in together with the parts. Parts tell from far off where the tool is, to some
+  pixels; edges are many and exact to a fraction of a pixel, but need a pose within some pixels to begin with.
+- Evidence is `similarity + contourSupport`. Tissue may look like parts, or like an outline, but not like both at once: right poses
+  have 1.2 to 1.8, wrong ones up to 1.1. A tool that is followed needs 0.9, one that is not 1.12, and to count as tracking without
+  a second frame 1.25. The outline alone does, with a support of 0.55, where fewer than four parts are seen.
+- A push of the camera: where points or edges fit badly to a correction that changes slowly, the frame is measured once more with
+  P grown by 1 degree and 2 mm; if that has more evidence it is kept, and the process noise stays raised for ten frames.
+- First pose: nine drawings (paper, Sec. 2.1: scales 0.8, 1, 1.2, rotations 0, +-15 degrees); the three with the largest summed
+  similarity are fitted, parts and outline, in four rounds each; the first one with evidence is taken, as the summed similarity
+  alone does not tell good from bad.
+- A tool that is not seen is sought in every frame with one of the nine drawings, in turn about its last pose and about the
+  hand-eye calibration itself, since either may be the better guess. What is found there must be confirmed by the next frames;
+  else the tool goes back to the last pose that was tracked. Meanwhile P grows.
 
 Images 1440 pixels wide and more are reduced by a whole number first, since gradients and tolerances are made for pixels of an
 image about 720 wide.
@@ -84,14 +105,14 @@ public:
     {
         CV_WRAP Params();
         CV_PROP_RW int method;                 //!< see cv::surgtrack::TrackingMethod; default METHOD_FULL
-        CV_PROP_RW bool jointOffsets;          //!< METHOD_FULL: joint readings may be wrong by offsets, which are estimated
-        CV_PROP_RW bool contours;              //!< METHOD_FULL: edges on outlines go into the pose
-        CV_PROP_RW bool adaptation;            //!< METHOD_FULL: a push of the camera is noticed and followed
+        CV_PROP_RW bool jointOffsets;          //!< METHOD_FULL: joint readings may be wrong by offsets, which are estimated; false for readings known to be exact
+        CV_PROP_RW bool contours;              //!< METHOD_FULL: edges on outlines go into the pose; if false they are evidence only
+        CV_PROP_RW bool adaptation;            //!< METHOD_FULL: a push of the camera is noticed and followed; false for a camera that is fixed to the arms
         CV_PROP_RW double initialWindow;       //!< half-width of the search window before the first pose [m on the tool]
         CV_PROP_RW double minWindow;           //!< smallest half-width of the search window while tracking [pixel at 720 px width]
-        CV_PROP_RW int minInitialInliers;      //!< matches needed for a first pose (paper's release: more than 6)
-        CV_PROP_RW double minInitialSimilarity;   //!< their least mean similarity; bare tissue gives up to 0.6, a tool 0.75 and more
-        CV_PROP_RW int confirmFrames;          //!< frames that must confirm a first pose before it counts as tracking
+        CV_PROP_RW int minInitialInliers;      //!< matches needed for a first pose (paper's release: more than 6); METHOD_FULL: to count as tracking at once, else five
+        CV_PROP_RW double minInitialSimilarity;   //!< their least mean similarity; bare tissue gives up to 0.6, a tool 0.75 and more. Not METHOD_FULL, which has the outline too
+        CV_PROP_RW int confirmFrames;          //!< frames that must confirm a first pose before it counts as tracking; METHOD_FULL needs none where the evidence is strong
         CV_PROP_RW double coastingTime;        //!< without a measurement for longer a tool is lost [s]
         CV_PROP_RW int seed;                   //!< of all random choices
     };
@@ -100,9 +121,10 @@ public:
 
     virtual ~ToolTracker() {}
 
-    /** @brief Makes the right eye known, for updateStereo(); METHOD_FULL only.
+    /** @brief Makes the right eye known, for updateStereo(). Before or after addTool().
     @param right its intrinsics and distortion
-    @param right_T_left pose of the left camera in the frame of the right one [m] */
+    @param right_T_left pose of the left camera in the frame of the right one [m]
+    @throws cv::Exception for another method than METHOD_FULL, and a transform that is not rigid */
     CV_WRAP virtual void setRightCamera(const CameraModel& right, const Matx44d& right_T_left) = 0;
 
     /** @brief Adds a tool.
@@ -121,8 +143,10 @@ public:
     CV_WRAP virtual void update(InputArray image, double time, const std::vector<std::vector<double> >& joints,
                                 CV_OUT std::vector<ToolEstimate>& estimates) = 0;
 
-    /** @brief Tracks one frame of both eyes, taken at the same time; setRightCamera() comes first.
-    @param left, right images of the same type, each of its camera's size. For the rest see update() */
+    /** @brief Tracks one frame of both eyes, taken at the same time; setRightCamera() comes first. Frames of one eye, by update(), may
+    lie between. Poses, matches and the search for a first pose are those of the left eye.
+    @param left, right images of the same type, each of its camera's size
+    @param time, joints, estimates see update(), also for what is thrown */
     CV_WRAP virtual void updateStereo(InputArray left, InputArray right, double time, const std::vector<std::vector<double> >& joints,
                                       CV_OUT std::vector<ToolEstimate>& estimates) = 0;
 
