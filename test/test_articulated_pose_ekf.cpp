@@ -563,7 +563,7 @@ TEST(SurgTrack_ArticulatedEKF, aFrameAddsTheProcessNoiseTimesItsGrowth)
     {
         Mat expected = filter->covariance();
         for (int i = 0; i < 6; i++) expected.at<double>(i, i) += std::pow(growth * (i < 3 ? params.processRotation : params.processTranslation), 2);
-        for (int i = 6; i < 10; i++) expected.at<double>(i, i) += std::pow(params.processJoint * 0.03, 2);   // offsets do not grow with a push
+        for (int i = 6; i < 10; i++) expected.at<double>(i, i) += std::pow(growth * params.processJoint * 0.03, 2);
         filter->predict(bench.readings(), growth);
         EXPECT_LT(cvtest::norm(expected, filter->covariance(), NORM_INF), 1e-16);   // rounding of 1e-2 [rad^2]
     }
