@@ -46,6 +46,7 @@ const double clearSimilarity = 0.8, noiseOfDissimilarity = 4;
 
 // A push of the camera, or a slip: the constant state is no longer believed.
 const double pushRotation = CV_PI / 180, pushTranslation = 0.002;   // [rad], [m]
+const double pushedGain = 0.05;        // of evidence, least
 const int pushedFrames = 10;
 const int settlingFrames = 15;         // after a first pose, which may be the wrong one of two that look alike in one frame
 const double pushedSimilarity = 0.55;  // of all points that agree
@@ -348,7 +349,7 @@ bool ToolTrackerImpl::measureFull(int index, const TemplateSet* ahead)
         const bool points = tool.points;
         tool.full->inflate(pushRotation, pushTranslation);
         correctFull(index, ahead);
-        if (evidence(tool) > without) tool.boosted = pushedFrames;
+        if (evidence(tool) > without + pushedGain) tool.boosted = pushedFrames;
         else
         {
             tool.before->copyTo(*tool.full);
