@@ -331,6 +331,7 @@ int ArticulatedPoseEKFImpl::addPoints(const CameraModel& camera, const Matx44d& 
     }
     used.assign(parts.size(), 0);
     CV_Check(noise.size(), noise.empty() || noise.size() == parts.size(), "noise: one factor per part");
+    for (size_t i = 0; i < noise.size(); i++) CV_Check(noise[i], noise[i] > 0 && noise[i] < DBL_MAX, "noise: factors must be positive");
     int passed = 0;
     for (size_t i = 0; i < parts.size(); i++)
     {

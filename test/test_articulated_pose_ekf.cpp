@@ -563,7 +563,7 @@ TEST(SurgTrack_ArticulatedEKF, aFrameAddsTheProcessNoiseTimesItsGrowth)
     {
         Mat expected = filter->covariance();
         for (int i = 0; i < 6; i++) expected.at<double>(i, i) += std::pow(growth * (i < 3 ? params.processRotation : params.processTranslation), 2);
-        for (int i = 6; i < 10; i++) expected.at<double>(i, i) += std::pow(growth * params.processJoint * 0.03, 2);   // 0.03 rad: their first deviation
+        for (int i = 6; i < 10; i++) expected.at<double>(i, i) += std::pow(growth * params.processJoint * 0.03, 2);
         filter->predict(bench.readings(), growth);
         EXPECT_LT(cvtest::norm(expected, filter->covariance(), NORM_INF), 1e-16);   // rounding of 1e-2 [rad^2]
     }
@@ -594,6 +594,9 @@ TEST(SurgTrack_ArticulatedEKF, onlyJointsThatAreNotExactHaveOffsets)
         EXPECT_EQ(which == 0 ? 6 : which == 1 ? 7 : 10, filter->covariance().rows);
         ASSERT_EQ(7u, filter->offsets().size());
         const std::vector<double> deviations = other->offsetDeviations();
+        ArticulatedPoseEKF::Params none;
+        none.jointOffsets = false;
+        EXPECT_EQ(6, ArticulatedPoseEKF::create(other, bench.nominal_T_base, none)->covariance().rows) << which;
         for (int i = 0; i < 7; i++) EXPECT_EQ(deviations[i] > 0, filter->offsets()[i] != 0) << which << ", coordinate " << i;
     }
 }
@@ -707,6 +710,26 @@ TEST(SurgTrack_ArticulatedEKF, aGrossOutlierIsGatedAndReported)
     filter->predict(bench.readings());
     filter->begin();
     EXPECT_EQ(n, filter->addPoints(camera, SAME_EYE, bench.parts, spoilt, used));
+}
+
+TEST(SurgTrack_ArticulatedEKF, aFactorOfTheNoiseIsALargerNoise)
+{
+    const CameraModel camera = endoscope();
+    const Bench bench(PosedTool(0.1), motionAbout(Point3d(0, 0, 0.1), Vec3d(0.01, -0.02, 0.01), Vec3d(0.001, -0.002, 0.001)));
+    ArticulatedPoseEKF::Params params;
+    params.pointNoise *= 2;
+    Ptr<ArticulatedPoseEKF> factor = bench.filter(), larger = bench.filter(params);
+    std::vector<uchar> used;
+    for (ArticulatedPoseEKF* filter : {factor.get(), larger.get()})
+    {
+        filter->predict(bench.readings());
+        filter->begin();
+        const std::vector<double> noise(filter == factor.get() ? bench.parts.size() : 0, 2.);
+        EXPECT_EQ(int(bench.parts.size()), filter->addPoints(camera, SAME_EYE, bench.parts, bench.seen(camera), used, noise));
+        ASSERT_TRUE(filter->solve());
+    }
+    EXPECT_LT(cv::norm(factor->correction() - larger->correction(), NORM_INF), 1e-12);   // rounding
+    EXPECT_LT(cvtest::norm(factor->covariance(), larger->covariance(), NORM_INF), 1e-15);
 }
 
 TEST(SurgTrack_ArticulatedEKF, edgesBeyondTheToleranceAreLeftOut)
@@ -888,6 +911,8 @@ TEST(SurgTrack_ArticulatedEKF, rejectsBadInputAndLeavesTheStateUnchanged)
     EXPECT_ERROR(filter->imageCovariance(camera, SAME_EYE, 99), "part");
     points[3].y = NOT_A_NUMBER;
     EXPECT_ERROR(filter->addPoints(camera, SAME_EYE, bench.parts, points, used), "imagePoints");
+    EXPECT_ERROR(filter->addPoints(camera, SAME_EYE, bench.parts, bench.seen(camera), used, std::vector<double>(2, 1.)), "noise");
+    EXPECT_ERROR(filter->addPoints(camera, SAME_EYE, bench.parts, bench.seen(camera), used, std::vector<double>(bench.parts.size(), 0.)), "noise");
     EXPECT_ERROR(filter->addPoints(camera, Matx44d::zeros(), bench.parts, bench.seen(camera), used), "eye_T_camera");
 
     std::vector<ContourPoint> outline(1);
