@@ -10,7 +10,7 @@ ContourSearch::ContourSearch() : halfWindow(8), preference(0.5), minStrength(6),
 
 namespace {
 
-const int maxHalf = 24;   // [pixel]
+const int maxHalf = 40;   // [pixel]
 
 // The image along a normal, a sample a pixel, bilinear.
 template <int channels> void readProfile(const Mat& image, const Point2d& from, const Point2d& step, int n, float* profile)
@@ -40,7 +40,7 @@ int matchContour(InputArray _image, std::vector<ContourPoint>& points, const Con
 {
     const Mat image = _image.getMat();
     checkImage(image);
-    CV_Check(search.halfWindow, search.halfWindow >= 1 && search.halfWindow <= maxHalf, "ContourSearch::halfWindow must be in 1..24");
+    CV_Check(search.halfWindow, search.halfWindow >= 1 && search.halfWindow <= maxHalf, "ContourSearch::halfWindow must be in 1..40");
     CV_Check(search.preference, search.preference >= 0 && search.preference < DBL_MAX, "ContourSearch::preference must not be negative");
     CV_Check(search.minStrength, search.minStrength >= 0 && search.minStrength < DBL_MAX, "ContourSearch::minStrength must not be negative");
     CV_Check(search.ambiguity, search.ambiguity >= 0 && search.ambiguity <= 1, "ContourSearch::ambiguity must be in 0..1");

@@ -15,6 +15,8 @@ namespace {
 const int passes = 5, startPass = 0, trackPass = 2;
 const double searchWindows[passes] = {16, 12, 8, 5, 3}, tolerances[passes] = {8, 5, 3, 1, 0};   // [pixel at 720 px image width]
 
+const double leastWindow = 2;          // of small images, too [pixel]
+
 const int minPoints = 4;               // parts that must have been found
 
 // A first pose.
@@ -132,7 +134,7 @@ double ToolTrackerImpl::refine(TrackedTool& tool, int firstPass)
     for (int pass = firstPass; pass < passes; pass++)
     {
         ContourSearch search;
-        search.halfWindow = searchWindows[pass] * pixelScale_;
+        search.halfWindow = std::max(leastWindow, searchWindows[pass] * pixelScale_);
         tool.full->begin();
         addPoints(tool);
         for (size_t e = 0; e < open_; e++)
@@ -153,7 +155,7 @@ double ToolTrackerImpl::refine(TrackedTool& tool, int firstPass)
 double ToolTrackerImpl::support(const TrackedTool& tool)
 {
     ContourSearch search;
-    search.halfWindow = supportWindow * pixelScale_;
+    search.halfWindow = std::max(leastWindow, supportWindow * pixelScale_);
     search.preference = 0;
     search.ambiguity = 1;
     int supported = 0, all = 0;

@@ -320,7 +320,7 @@ TEST(SurgTrack_ContourMatch, rejectsBadInputNamingTheArgument)
     ContourSearch search;
     search.halfWindow = 0.5;
     EXPECT_ERROR(matchContour(scene, points, search), "halfWindow");
-    search.halfWindow = 25;
+    search.halfWindow = 41;
     EXPECT_ERROR(matchContour(scene, points, search), "halfWindow");
     search.halfWindow = 8;
     search.ambiguity = 1.1;

@@ -32,7 +32,6 @@ public:
         CV_PROP_RW double processJoint;         //!< the same, of joint offsets, as a share of their first deviation
         CV_PROP_RW double pointNoise;           //!< standard deviation of a part's image point [pixel]
         CV_PROP_RW double gate;                 //!< points with a larger squared Mahalanobis distance are left out; 13.8 = 99.9 % of chi-square with 2 dof
-        CV_PROP_RW int minPoints;               //!< with fewer points inside the gate nothing is updated
         CV_PROP_RW double contourNoise;         //!< standard deviation of an edge along its normal [pixel]
         CV_PROP_RW bool jointOffsets;           //!< whether the readings may have offsets
         CV_PROP_RW double contourCorrelation;   //!< so many neighbouring contour points tell as much as one

@@ -76,7 +76,7 @@ CV_EXPORTS void placeContour(const CameraModel& camera, const ToolView& view, st
 struct CV_EXPORTS_W_SIMPLE ContourSearch
 {
     CV_WRAP ContourSearch();
-    CV_PROP_RW double halfWindow;    //!< on both sides of the expected place [pixel]
+    CV_PROP_RW double halfWindow;    //!< on both sides of the expected place, 1 to 40 [pixel]
     CV_PROP_RW double preference;    //!< edges this far from the expected place count 0.6 of one there, as a share of halfWindow; 0 = all the same
     CV_PROP_RW double minStrength;   //!< weaker edges are none [grey levels a pixel]
     CV_PROP_RW double ambiguity;     //!< a point with a second edge more than this share as likely as the first is left out
