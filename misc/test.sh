@@ -266,7 +266,7 @@ run_evaluation() {
   fi
   cp -r "$work/pair" "$work/untrue"
   rm "$work/untrue/groundtruth.csv"
-  sample "refused: no ground truth" refuses "$work/untrue/groundtruth.csv" "$evaluate" --sequences="$work/untrue" --out="$work/none"
+  sample "refused: no ground truth" refuses "$work/untrue/groundtruth.csv" "$evaluate" --sequences="$work/untrue" --out="$work/untold"
   sample "refused: one of two sequences" refuses "$work/untrue/groundtruth.csv" "$evaluate" --sequences="$work/untrue,$work/pair" \
     --methods=paper --frames=2 --out="$work/half" --quiet
   sample "the other one's table" grep -q '^| all | paper | 4 |' "$work/half/table.md"
