@@ -24,9 +24,10 @@ CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO"
   -DBUILD_TESTS=ON -DOPENCV_BUILD_TEST_MODULES_LIST=surgtrack
   -DBUILD_opencv_python3=ON "-DPYTHON3_EXECUTABLE=$PYTHON")
 
-# What Debian 12 needs. The last two let VTK render without a display; xvfb and xauth test it with one.
+# What Debian 12 needs. nlohmann-json3 and urdfdom read robots' files; the last two let VTK render without a display; xvfb and
+# xauth test it with one.
 PACKAGES=(build-essential dpkg-dev cmake ninja-build ccache libvtk9-dev libeigen3-dev
-  libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libjpeg-dev libpng-dev zlib1g-dev
+  nlohmann-json3-dev liburdfdom-dev libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libjpeg-dev libpng-dev zlib1g-dev
   python3-dev python3-numpy xvfb xauth libegl1 libgl1-mesa-dri)
 
 step() { printf '\n== %s\n' "$*"; }
