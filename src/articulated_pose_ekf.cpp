@@ -126,6 +126,7 @@ private:
     double square_;                   // sum of r^2 / sigma^2
     int rows_;
     Vector moved_;                    // x of the state since predict()
+    bool solved_;                     // whether the state has measurements of this frame
 };
 
 ArticulatedPoseEKFImpl::ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params)
@@ -169,6 +170,7 @@ void ArticulatedPoseEKFImpl::reset()
     place();
     predicted_ = state_;
     moved_.setZero(n_);
+    solved_ = false;
     begin();
 }
 
@@ -228,6 +230,7 @@ void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double g
         if (stateOf_[i] >= 0) state_.P(stateOf_[i], stateOf_[i]) += std::pow(growth * params_.processJoint * deviations_[i], 2);
     predicted_ = state_;
     moved_.setZero(n_);
+    solved_ = false;
     begin();
 }
 
@@ -246,6 +249,7 @@ void ArticulatedPoseEKFImpl::undo()
 {
     state_ = predicted_;
     moved_.setZero(n_);
+    solved_ = false;
     place();
 }
 
@@ -339,10 +343,16 @@ int ArticulatedPoseEKFImpl::addPoints(const CameraModel& camera, const Matx44d& 
         Point2d h;
         Rows2 H;
         if (!row(camera, eye_T_camera, keypoint.link, keypoint.linkPoint, h, H)) continue;
-        const Eigen::Vector2d r = Eigen::Vector2d(imagePoints[i].x - h.x, imagePoints[i].y - h.y) + H * moved_;   // of the prediction
-        const double R = std::pow(params_.pointNoise * (noise.empty() ? 1 : noise[i]), 2);
+        const Eigen::Vector2d residual(imagePoints[i].x - h.x, imagePoints[i].y - h.y), r = residual + H * moved_;   // r: of the prediction
+        double R = std::pow(params_.pointNoise * (noise.empty() ? 1 : noise[i]), 2);
         const Eigen::Matrix2d S = H * predicted_.P * H.transpose() + R * Eigen::Matrix2d::Identity();
         if (params_.gate > 0 && r.dot(S.llt().solve(r)) > params_.gate) continue;
+        if (solved_)   // robust about what all measurements of the frame say
+        {
+            const double square = residual.squaredNorm();
+            if (params_.gate > 0 && square > params_.gate * R) continue;
+            R *= std::pow(1 + square / (4 * R), 2);
+        }
         used[i] = 1;
         passed++;
         A_.noalias() += H.transpose() * H / R;
@@ -410,6 +420,7 @@ bool ArticulatedPoseEKFImpl::solve()
     const Vector step = x - moved_;
     apply(step);
     moved_ = x;
+    solved_ = true;
     // Where the jaw met its stop the state is not at x.
     for (size_t i = 0; i < stateOf_.size(); i++)
         if (stateOf_[i] >= 0) moved_[stateOf_[i]] = state_.offsets[i] - predicted_.offsets[i];
@@ -423,6 +434,7 @@ void ArticulatedPoseEKFImpl::copyTo(ArticulatedPoseEKF& _other) const
     other->state_ = state_;
     other->predicted_ = predicted_;
     other->moved_ = moved_;
+    other->solved_ = solved_;
     other->joints_ = joints_;
     other->place();
 }

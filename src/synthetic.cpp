@@ -161,10 +161,12 @@ void SyntheticSceneImpl::renderArms(int frame, const std::vector<std::vector<dou
     renderer_->render(doubledCamera_, Rect(Point(), doubledCamera_.imageSize()), instances, rendering_);
 
     image.create(params_.imageSize, CV_8UC3);
-    Mat result = image.getMat(), composed;
+    Mat result = image.getMat(), light;
     const Mat background = tissue_(Rect(right ? disparity_ : 0, 0, params_.imageSize.width, params_.imageSize.height));
-    composeImage(rendering_, doubledCamera_, materials_, sideLight_, background, vignette_, composed);
-    GaussianBlur(composed, result, Size(3, 3), 0.7);
+    composeImage(rendering_, doubledCamera_, materials_, sideLight_, background, vignette_, light);
+    GaussianBlur(light, light, Size(3, 3), 0.7);
+    sqrt(light, light);      // the lens blurs light, the camera's tone curve comes after it
+    light.convertTo(result, CV_8U);
     if (params_.imageNoise > 0)
     {
         Mat noise(params_.imageSize, CV_16SC3);

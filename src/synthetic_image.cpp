@@ -156,13 +156,13 @@ Mat makeVignette(Size size)
 }
 
 void composeImage(const Rendering& doubled, const CameraModel& doubledCamera, const std::vector<ToolMaterial>& materials,
-                  const Vec3f& sideLight, const Mat& background, const Mat& vignette, Mat& image)
+                  const Vec3f& sideLight, const Mat& background, const Mat& vignette, Mat& light)
 {
     CV_Assert(doubled.ids.size() == Size(2 * background.cols, 2 * background.rows) && vignette.size() == background.size());
     const Shader shade(doubled, doubledCamera, materials, sideLight);
     const Mat shadow = makeShadow(doubled.ids, sideLight, background.size());
-    image.create(background.size(), CV_8UC3);
-    parallel_for_(Range(0, image.rows), [&](const Range& range)
+    light.create(background.size(), CV_32FC3);
+    parallel_for_(Range(0, light.rows), [&](const Range& range)
     {
         for (int y = range.start; y < range.end; y++)
         {
@@ -170,8 +170,8 @@ void composeImage(const Rendering& doubled, const CameraModel& doubledCamera, co
             const float *v = vignette.ptr<float>(y), *s = shadow.ptr<float>(y);
             const uchar* ids[] = { doubled.ids.ptr<uchar>(2 * y), doubled.ids.ptr<uchar>(2 * y + 1) };
             const float* zs[] = { doubled.depth.ptr<float>(2 * y), doubled.depth.ptr<float>(2 * y + 1) };
-            Vec3b* out = image.ptr<Vec3b>(y);
-            for (int x = 0; x < image.cols; x++)
+            Vec3f* out = light.ptr<Vec3f>(y);
+            for (int x = 0; x < light.cols; x++)
             {
                 Vec3f sum(0, 0, 0);
                 int covered = 0;
@@ -180,12 +180,13 @@ void composeImage(const Rendering& doubled, const CameraModel& doubledCamera, co
                     const int u = 2 * x + (i & 1), row = i >> 1;
                     if (!ids[row][u])
                         continue;
-                    sum += shade(zs[row] + u, ids[row] + u, u, 2 * y + row);
+                    const Vec3f level = shade(zs[row] + u, ids[row] + u, u, 2 * y + row);
+                    sum += level.mul(level);
                     covered++;
                 }
-                const float light = (float)(4 - covered) * (1 - 0.5f * s[x]), scale = 0.25f * v[x];
+                const float shade2 = (1 - 0.5f * s[x]) * (1 - 0.5f * s[x]), share = (float)(4 - covered) * shade2;
                 for (int c = 0; c < 3; c++)
-                    out[x][c] = saturate_cast<uchar>(scale * (sum[c] + light * b[x][c]));
+                    out[x][c] = 0.25f * v[x] * v[x] * (sum[c] + share * (float)(b[x][c] * b[x][c]));
             }
         }
     });

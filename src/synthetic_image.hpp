@@ -34,9 +34,9 @@ not the shading that templates are drawn with.
 @param sideLight unit vector to the second light
 @param background CV_8UC3
 @param vignette CV_32FC1
-@param image CV_8UC3, result */
+@param light CV_32FC3, result: squares of grey levels, which are close to what light a camera takes in */
 void composeImage(const Rendering& doubled, const CameraModel& doubledCamera, const std::vector<ToolMaterial>& materials,
-                  const Vec3f& sideLight, const Mat& background, const Mat& vignette, Mat& image);
+                  const Vec3f& sideLight, const Mat& background, const Mat& vignette, Mat& light);
 
 }} // namespace cv::surgtrack
 

@@ -288,6 +288,7 @@ bool ToolTrackerImpl::searchFull(int index)
     tool.spare = tool.before;
     tool.before = before;
     if (!found) tool.before->copyTo(*tool.full);
+    else if (!tool.searched) tool.confirmed = 0;
     tool.searched = found;
     return found;
 }
@@ -381,7 +382,9 @@ void ToolTrackerImpl::concludeFull(TrackedTool& tool, bool seen)
         tool.unseen = 0;
         tool.confirmed++;
         const bool strong = tool.state == STATE_INITIALIZING && evidence(tool) >= sureEvidence && tool.nis <= sureNis && int(tool.inliers.size()) >= params_.minInitialInliers;
-        if (tool.state == STATE_TRACKING || (tool.state == STATE_COASTING && !tool.searched) || strong || tool.confirmed > params_.confirmFrames)
+        const bool followed = !tool.searched && (tool.state == STATE_TRACKING || tool.state == STATE_COASTING);
+        if (!followed && tool.state == STATE_TRACKING) tool.state = STATE_COASTING;   // found elsewhere: to be confirmed
+        if (followed || strong || tool.confirmed > params_.confirmFrames)
         {
             tool.state = STATE_TRACKING;
             tool.searches = 0;

@@ -41,6 +41,7 @@ bool ToolTrackerImpl::plausible(const TrackedTool& tool, const Matx44d& correcti
     Point3d centre;
     for (size_t i = 0; i < tool.nominalPoints.size(); i++) centre += tool.nominalPoints[i] * (1. / tool.nominalPoints.size());
     if (rotationAngle(correction) > maxCorrectionAngle || norm(transform(correction, centre) - centre) > maxCorrectionShift) return false;
+    if (tool.inliers.empty()) return true;
     double sum = 0;
     for (size_t i = 0; i < tool.inliers.size(); i++)
     {
