@@ -73,13 +73,14 @@ class ArticulatedPoseEKFImpl CV_FINAL : public ArticulatedPoseEKF
 public:
     ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params);
 
-    void reset() CV_OVERRIDE;
+    void reset(const Matx44d& correction) CV_OVERRIDE;
     void predict(const std::vector<double>& joints, double growth) CV_OVERRIDE;
     void inflate(double rotation, double translation) CV_OVERRIDE;
     void undo() CV_OVERRIDE;
     void begin() CV_OVERRIDE;
     int addPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
-                  const std::vector<Point2d>& imagePoints, std::vector<uchar>& used, const std::vector<double>& noise) CV_OVERRIDE;
+                  const std::vector<Point2d>& imagePoints, std::vector<uchar>& used, const std::vector<double>& noise,
+                  double tolerance) CV_OVERRIDE;
     int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points,
                    double tolerance) CV_OVERRIDE;
     double surprise(double rotation, double translation) const CV_OVERRIDE;
@@ -126,7 +127,6 @@ private:
     double square_;                   // sum of r^2 / sigma^2
     int rows_;
     Vector moved_;                    // x of the state since predict()
-    bool solved_;                     // whether the state has measurements of this frame
 };
 
 ArticulatedPoseEKFImpl::ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params)
@@ -150,12 +150,13 @@ ArticulatedPoseEKFImpl::ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, cons
     }
     joints_.assign(deviations_.size(), 0.);
     axes_.resize(links.size());
-    reset();
+    reset(Matx44d::eye());
 }
 
-void ArticulatedPoseEKFImpl::reset()
+void ArticulatedPoseEKFImpl::reset(const Matx44d& correction)
 {
-    state_.correction = Matx44d::eye();
+    CV_Assert(isRigid(correction) && "correction: rigid");
+    state_.correction = correction;
     state_.offsets.assign(deviations_.size(), 0.);
     state_.P = Matrix::Zero(n_, n_);
     for (int i = 0; i < 3; i++)
@@ -170,7 +171,6 @@ void ArticulatedPoseEKFImpl::reset()
     place();
     predicted_ = state_;
     moved_.setZero(n_);
-    solved_ = false;
     begin();
 }
 
@@ -230,7 +230,6 @@ void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double g
         if (stateOf_[i] >= 0) state_.P(stateOf_[i], stateOf_[i]) += std::pow(growth * params_.processJoint * deviations_[i], 2);
     predicted_ = state_;
     moved_.setZero(n_);
-    solved_ = false;
     begin();
 }
 
@@ -249,7 +248,6 @@ void ArticulatedPoseEKFImpl::undo()
 {
     state_ = predicted_;
     moved_.setZero(n_);
-    solved_ = false;
     place();
 }
 
@@ -323,8 +321,10 @@ void ArticulatedPoseEKFImpl::begin()
 }
 
 int ArticulatedPoseEKFImpl::addPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
-                                      const std::vector<Point2d>& imagePoints, std::vector<uchar>& used, const std::vector<double>& noise)
+                                      const std::vector<Point2d>& imagePoints, std::vector<uchar>& used, const std::vector<double>& noise,
+                                      double tolerance)
 {
+    CV_Check(tolerance, tolerance >= 0, "tolerance must not be negative");
     CV_CheckEQ(parts.size(), imagePoints.size(), "one image point per part");
     CV_Assert(isRigid(eye_T_camera) && "eye_T_camera: rigid");
     for (size_t i = 0; i < parts.size(); i++)
@@ -347,12 +347,9 @@ int ArticulatedPoseEKFImpl::addPoints(const CameraModel& camera, const Matx44d& 
         double R = std::pow(params_.pointNoise * (noise.empty() ? 1 : noise[i]), 2);
         const Eigen::Matrix2d S = H * predicted_.P * H.transpose() + R * Eigen::Matrix2d::Identity();
         if (params_.gate > 0 && r.dot(S.llt().solve(r)) > params_.gate) continue;
-        if (solved_)   // robust about what all measurements of the frame say
-        {
-            const double square = residual.squaredNorm();
-            if (params_.gate > 0 && square > params_.gate * R) continue;
-            R *= std::pow(1 + square / (4 * R), 2);
-        }
+        const double square = residual.squaredNorm(), scale = tolerance * tolerance;
+        if (params_.gate > 0 && square > params_.gate * (R + scale)) continue;
+        R *= std::pow(1 + square / (4 * R + scale), 2);
         used[i] = 1;
         passed++;
         A_.noalias() += H.transpose() * H / R;
@@ -420,7 +417,6 @@ bool ArticulatedPoseEKFImpl::solve()
     const Vector step = x - moved_;
     apply(step);
     moved_ = x;
-    solved_ = true;
     // Where the jaw met its stop the state is not at x.
     for (size_t i = 0; i < stateOf_.size(); i++)
         if (stateOf_[i] >= 0) moved_[stateOf_[i]] = state_.offsets[i] - predicted_.offsets[i];
@@ -434,7 +430,6 @@ void ArticulatedPoseEKFImpl::copyTo(ArticulatedPoseEKF& _other) const
     other->state_ = state_;
     other->predicted_ = predicted_;
     other->moved_ = moved_;
-    other->solved_ = solved_;
     other->joints_ = joints_;
     other->place();
 }

@@ -189,6 +189,7 @@ void PartTemplateRendererImpl::placeInstances(const std::vector<ToolView>& views
     instances_.clear();
     for (size_t t = 0; t < tools_.size(); t++)
     {
+        if (views[t].base_T_link.empty()) continue;
         const std::vector<ToolModel::Link>& links = tools_[t].model->links();
         const Matx44d camera_T_base = int(t) == tool ? moved * views[t].camera_T_base : views[t].camera_T_base;
         for (size_t i = 0; i < links.size(); i++)
@@ -290,6 +291,7 @@ void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vect
     CV_Check(rotation, std::abs(rotation) < DBL_MAX, "rotation must be finite");
     for (size_t i = 0; i < views.size(); i++)
     {
+        if (int(i) != tool && views[i].base_T_link.empty()) continue;
         if (!isRigid(views[i].camera_T_base, 1e-2)) CV_Error(Error::StsBadArg, format("views[%d].camera_T_base must be a rigid transform", int(i)));
         CV_CheckEQ(views[i].base_T_link.size(), tools_[i].model->links().size(), "a view needs one pose per link");
     }

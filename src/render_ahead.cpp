@@ -109,6 +109,11 @@ void RenderAhead::run()
         {
             for (size_t i = 0; i < slot->templates.size(); i++)
             {
+                if (slot->views[i].base_T_link.empty())   // may be anywhere
+                {
+                    slot->templates[i].clear();
+                    continue;
+                }
                 renderer_->render(camera_, slot->views, int(i), slot->templates[i]);
                 if (wholeTools_) renderer_->swapRendering(slot->renderings[i]);
             }

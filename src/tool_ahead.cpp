@@ -42,6 +42,7 @@ void ToolTrackerImpl::renderAhead(const std::vector<std::vector<double> >& joint
     {
         tools_[i].model->forwardKinematics(joints[i], aheadViews_[i].base_T_link);
         aheadViews_[i].camera_T_base = tools_[i].correction * tools_[i].nominal_T_base;
+        if (!tools_[i].isLocated()) aheadViews_[i].base_T_link.clear();
     }
     ahead_->request(aheadViews_);
 }
@@ -55,6 +56,7 @@ double ToolTrackerImpl::shiftSince(const std::vector<ToolView>* drawn) const
     for (size_t i = 0; i < tools_.size(); i++)
     {
         if (!tools_[i].usesDrawnAhead()) continue;
+        if ((*drawn)[i].base_T_link.empty()) return DBL_MAX;   // it was not known where it is
         const std::vector<ToolModel::Keypoint>& keypoints = tools_[i].model->keypoints();
         for (size_t k = 0; k < keypoints.size(); k++)
         {

@@ -27,6 +27,7 @@ const int fitted = 3, fitRounds = 4;   // so many hypotheses are fitted, in so m
    edges of tissue, but not both at once: right poses have 1.2 to 1.8, wrong ones up to 1.1. */
 const double sureEvidence = 1.25, startEvidence = 1.12, trackEvidence = 0.9;
 const double sureNis = 0.6;             // of points, per degree of freedom
+const double doubt = 0.25;              // of evidence, by NIS, where first poses are compared
 const double leastSupport = 0.3, leastSimilarity = 0.5, outlineAlone = 0.55;
 const double searchRotation = 4 * CV_PI / 180, searchTranslation = 0.008;   // how far a lost tool may be from where it was [rad, m]
 
@@ -65,7 +66,7 @@ static double evidence(const TrackedTool& tool)
 }
 
 // Every eye's points, to be solved. Returns how many passed the gate.
-int ToolTrackerImpl::addPoints(TrackedTool& tool)
+int ToolTrackerImpl::addPoints(TrackedTool& tool, double tolerance)
 {
     int passed = 0;
     for (size_t e = 0; e < open_; e++)
@@ -80,7 +81,7 @@ int ToolTrackerImpl::addPoints(TrackedTool& tool)
             parts_.push_back(eye.inliers[i].part);
             imagePoints_.push_back(eye.inliers[i].imagePoint);
         }
-        passed += tool.full->addPoints(eye.camera, eye.eye_T_camera, parts_, imagePoints_, used_, noise_);
+        passed += tool.full->addPoints(eye.camera, eye.eye_T_camera, parts_, imagePoints_, used_, noise_, tolerance);
         if (e > 0) continue;
         tool.inliers.clear();
         for (size_t i = 0; i < used_.size(); i++)
@@ -94,7 +95,7 @@ int ToolTrackerImpl::correctPoints(TrackedTool& tool)
 {
     StageTimer timer(times_, FILTER);
     tool.full->begin();
-    const int passed = addPoints(tool);
+    const int passed = addPoints(tool, DBL_MAX);
     if (passed < minPoints || !tool.full->solve()) return 0;
     tool.nis = tool.full->nis();
     return passed;
@@ -136,7 +137,7 @@ double ToolTrackerImpl::refine(TrackedTool& tool, int firstPass)
         ContourSearch search;
         search.halfWindow = std::max(leastWindow, searchWindows[pass] * pixelScale_);
         tool.full->begin();
-        addPoints(tool);
+        addPoints(tool, tolerances[pass] * pixelScale_);
         for (size_t e = 0; e < open_; e++)
         {
             Eye& eye = eyes_[e];
@@ -217,7 +218,7 @@ void ToolTrackerImpl::fit(int index, const std::vector<PartMatch>& inliers)
 }
 
 /* The first pose, or that of a lost tool: parts in wide windows by several scales and rotations about the pose predicted (paper,
-   Sec. 2.1), the most promising of them fitted, and the one kept whose outline is in the image.
+   Sec. 2.1), the most promising of them fitted, and the one kept that explains the image best.
    first, last: which of the nine hypotheses */
 bool ToolTrackerImpl::beginAnew(int index, int first, int last)
 {
@@ -230,7 +231,7 @@ bool ToolTrackerImpl::beginAnew(int index, int first, int last)
     for (int i = first; i <= last; i++)
     {
         views_[index] = tool.full->view();
-        const std::vector<PartTemplate>& templates = draw(index, eye, startScales[i / 3], startRotations[i % 3]);
+        const std::vector<PartTemplate>& templates = draw(index, eye, startScales[i / 3], startRotations[i % 3], true);
         locate(index, eye, templates, halfWindow, true);
         if (i == first) tool.visibleParts = int(templates.size());
         double score = 0;
@@ -244,31 +245,47 @@ bool ToolTrackerImpl::beginAnew(int index, int first, int last)
                 break;
             }
     }
+    double most = -DBL_MAX, support = 0, nis = 0;
+    tool.inliersBefore.clear();
     for (int k = 0; k < fitted && best[k].score > 0; k++)
     {
         if (k > 0) tool.before->copyTo(*tool.full);
         fit(index, best[k].inliers);
-        if (evidence(tool) >= startEvidence && int(tool.inliers.size()) > minPoints && plausible(tool, tool.full->correction()))
-        {
-            tool.boosted = settlingFrames;
-            return true;
-        }
+        const double merit = evidence(tool) - doubt * tool.nis;
+        if (merit <= most || evidence(tool) < startEvidence || int(tool.inliers.size()) <= minPoints || !plausible(tool, tool.full->correction())) continue;
+        most = merit;
+        tool.full->copyTo(*tool.best);
+        tool.inliersBefore = tool.inliers;
+        support = tool.contourSupport;
+        nis = tool.nis;
     }
-    tool.before->copyTo(*tool.full);
-    tool.inliers.clear();
-    tool.contourSupport = 0;
-    return false;
+    const bool found = most > -DBL_MAX;
+    (found ? tool.best : tool.before)->copyTo(*tool.full);
+    tool.inliers = tool.inliersBefore;
+    tool.contourSupport = support;
+    tool.nis = nis;
+    if (found) tool.boosted = settlingFrames;
+    return found;
 }
 
+// Where the camera has moved since its calibration, the tools' corrections are about the same. Unit if no other tool is tracked.
+Matx44d ToolTrackerImpl::correctionOfAnother(int index) const
+{
+    for (int i = 0; i < int(tools_.size()); i++)
+        if (i != index && tools_[i].state == STATE_TRACKING) return tools_[i].correction;
+    return Matx44d::eye();
+}
+
+// About the hand-eye calibration, and every other time about what has become of it for another tool.
 bool ToolTrackerImpl::startFull(int index)
 {
     TrackedTool& tool = tools_[index];
-    tool.full->reset();
+    tool.full->reset(tool.searches++ % 2 ? correctionOfAnother(index) : Matx44d::eye());
     tool.full->predict(joints_[index]);
     return beginAnew(index, 0, 8);
 }
 
-// One hypothesis a frame, the upright one every other time: about the last pose, and about the hand-eye calibration itself.
+// One hypothesis a frame, the upright one every other time: about the last pose, the hand-eye calibration, another tool's correction.
 bool ToolTrackerImpl::searchFull(int index)
 {
     TrackedTool& tool = tools_[index];
@@ -278,7 +295,7 @@ bool ToolTrackerImpl::searchFull(int index)
     if (n % 4 < 2) tool.full->inflate(searchRotation, searchTranslation);
     else
     {
-        tool.full->reset();
+        tool.full->reset(n % 8 < 4 ? Matx44d::eye() : correctionOfAnother(index));
         tool.full->predict(joints_[index]);
     }
     // beginAnew() has its own memory of the vague filter

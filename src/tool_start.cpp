@@ -66,7 +66,7 @@ bool ToolTrackerImpl::initialize(int index, int first, int last)
     double bestScore = 0;
     for (int i = first; i <= last; i++)
     {
-        const std::vector<PartTemplate>& templates = draw(index, eye, scales[i / 3], rotations[i % 3]);
+        const std::vector<PartTemplate>& templates = draw(index, eye, scales[i / 3], rotations[i % 3], true);
         locate(index, eye, templates, halfWindow, true);
         if (i == first) tool.visibleParts = int(templates.size());
         double score = 0;

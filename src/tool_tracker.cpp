@@ -136,6 +136,7 @@ int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal
         tool.full = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
         tool.before = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
         tool.spare = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
+        tool.best = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
         tool.sure = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
         tool.contour = ToolContour::create(model);
     }
@@ -237,12 +238,16 @@ void ToolTrackerImpl::placeTools(const std::vector<std::vector<double> >& joints
     }
 }
 
-const std::vector<PartTemplate>& ToolTrackerImpl::draw(int index, Eye& eye, double scale, double rotation)
+// A tool that may be anywhere hides nothing; alone: no other tool hides this one, which may be anywhere itself.
+const std::vector<PartTemplate>& ToolTrackerImpl::draw(int index, Eye& eye, double scale, double rotation, bool alone)
 {
     StageTimer timer(times_, RENDER);
     eye.views = views_;
-    if (&eye != &eyes_[0])
-        for (size_t i = 0; i < eye.views.size(); i++) eye.views[i].camera_T_base = eye.eye_T_camera * eye.views[i].camera_T_base;
+    for (int i = 0; i < int(eye.views.size()); i++)
+    {
+        if (i != index && (alone || !tools_[i].isLocated())) eye.views[i].base_T_link.clear();
+        if (&eye != &eyes_[0]) eye.views[i].camera_T_base = eye.eye_T_camera * eye.views[i].camera_T_base;
+    }
     eye.renderer->render(eye.camera, eye.views, index, eye.templates, scale, rotation);
     return eye.templates;
 }

@@ -56,7 +56,7 @@ struct TrackedTool
     // METHOD_FULL
     Ptr<ArticulatedPoseEKF> full;    // `filter` of the other methods
     Ptr<ArticulatedPoseEKF> before;  // it, as it was before a search
-    Ptr<ArticulatedPoseEKF> spare;   // memory
+    Ptr<ArticulatedPoseEKF> spare, best;   // memory
     Ptr<ArticulatedPoseEKF> sure;    // it, as it was when the tool was last tracked
     Ptr<ToolContour> contour;
     double contourSupport;
@@ -72,6 +72,7 @@ struct TrackedTool
        were drawn: a filter that believed them together would keep the error of the first pose, most of it depth, for minutes. */
     static const int settlingFrames = 6;
     bool settles() const { return confirmed < settlingFrames; }
+    bool isLocated() const { return !starts() && state != STATE_LOST; }
     // Where a tool is not known yet, nothing can be drawn ahead.
     bool usesDrawnAhead() const { return !settles() && state != STATE_LOST; }
 };
@@ -102,7 +103,7 @@ private:
     void placeTools(const std::vector<std::vector<double> >& joints);
     double shiftSince(const std::vector<ToolView>* drawn) const;
     const TemplateSet* drawnAhead();
-    const std::vector<PartTemplate>& draw(int tool, Eye& eye, double scale = 1, double rotation = 0);
+    const std::vector<PartTemplate>& draw(int tool, Eye& eye, double scale = 1, double rotation = 0, bool alone = false);
     void locate(int tool, Eye& eye, const std::vector<PartTemplate>& templates, double halfWindow, bool starting);
     bool start(int tool);
     bool search(int tool);
@@ -118,6 +119,7 @@ private:
     // METHOD_FULL
     bool startFull(int tool);
     bool searchFull(int tool);
+    Matx44d correctionOfAnother(int tool) const;
     bool beginAnew(int tool, int first, int last);
     void fit(int tool, const std::vector<PartMatch>& inliers);
     void dropPoints(TrackedTool& tool);
@@ -125,7 +127,7 @@ private:
     bool correctFull(int tool, const TemplateSet* ahead);
     bool measureFull(int tool, const TemplateSet* ahead);
     void concludeFull(TrackedTool& tool, bool seen);
-    int addPoints(TrackedTool& tool);
+    int addPoints(TrackedTool& tool, double tolerance);
     int correctPoints(TrackedTool& tool);
     void sampleContours(int tool, const TemplateSet* ahead);
     double refine(TrackedTool& tool, int firstPass);

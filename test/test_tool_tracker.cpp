@@ -54,8 +54,12 @@ TEST(SurgTrack_Tracker, followsInGreyImages)
 TEST(SurgTrack_Tracker, followsInSmallAndLargeImages)
 {
     const Recording small(scene(1, 1, Size(320, 256)), 25);
-    Score s = scoreOf(small, *small.tracker());
-    EXPECT_EQ(s.frames - 1, s.covered);
+    Score s = scoreOf(small, *small.tracker(METHOD_FULL));
+    EXPECT_GE(s.covered, s.frames - 1);
+    EXPECT_EQ(0, s.silent);
+    EXPECT_LT(s.translation, 0.0015);     // measured: 0.6 mm, 0.5 to 0.8 mm by the seed
+    s = scoreOf(small, *small.tracker());
+    EXPECT_GE(s.covered, s.frames - 5);   // measured: 22 of 25; in 5 of 6 seeds the first pose is confirmed within 3 frames
     EXPECT_LT(s.translation, 0.004);      // measured: 1.9 mm with the paper's fixed grid cells; a pixel is 0.25 mm on the tool
     EXPECT_LT(s.rotation, 0.14);          // measured: 0.07 rad; the wrist is 40 pixels wide
 

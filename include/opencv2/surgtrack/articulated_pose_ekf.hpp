@@ -40,8 +40,8 @@ public:
     static Ptr<ArticulatedPoseEKF> create(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params = Params());
     virtual ~ArticulatedPoseEKF() {}
 
-    //! Back to the hand-eye calibration and the readings themselves, with the initial covariance.
-    virtual void reset() = 0;
+    //! Back to the readings themselves, with the initial covariance. @param correction camera_T_nominal; unit: the hand-eye calibration
+    virtual void reset(const Matx44d& correction = Matx44d::eye()) = 0;
 
     //! One frame passes. @param joints readings, one per coordinate [rad or m] @param growth factor on the deviations of Q
     virtual void predict(const std::vector<double>& joints, double growth = 1) = 0;
@@ -65,10 +65,12 @@ public:
     @param imagePoints where they were found [pixel]
     @param used 1 where the point passed the gate
     @param noise factor on Params::pointNoise, one each; none: 1
+    @param tolerance points that are farther off than this (and than the noise) from where the state has them count little; as the
+    state is that of the last solve(), not before the first one of a frame [pixel]
     @return how many passed */
     virtual int addPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
                           const std::vector<Point2d>& imagePoints, std::vector<uchar>& used,
-                          const std::vector<double>& noise = std::vector<double>()) = 0;
+                          const std::vector<double>& noise = std::vector<double>(), double tolerance = DBL_MAX) = 0;
 
     /** @brief Edges on the normals of a contour.
     @param camera that saw them

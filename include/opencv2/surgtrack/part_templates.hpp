@@ -71,7 +71,7 @@ public:
 
     /** @brief Draws the tools and cuts the templates of one of them.
     @param camera intrinsics and distortion
-    @param views one per tool added
+    @param views one per tool added; a tool without link poses may be anywhere, and is not drawn
     @param tool the tool wanted; the others only hide it
     @param templates result; those of invisible parts are missing
     @param scale the tool is drawn this much larger, about the centre of its keypoints (initialisation: 0.8, 1, 1.2)
