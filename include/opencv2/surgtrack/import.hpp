@@ -121,7 +121,8 @@ is clamped at closed.
 @param filename the XML
 @param model the tool: six joints to the end effector, and a coordinate for the jaw
 @param joints N x 7 CV_64F, a row a frame, in the order of the model's coordinates [rad or m]
-@throws cv::Exception too if a pose is more than 0.1 mm or 1e-3 rad from any the model can take */
+@throws cv::Exception too if a pose is more than 1 mm or 0.02 rad from any the model can take (the three poses of a frame were read one
+after the other: in fast motion they disagree by up to 0.17 mm and 5e-3 rad) */
 CV_EXPORTS_W void importDaVinciJoints(const String& filename, const Ptr<ToolModel>& model, OutputArray joints);
 
 /** @brief Hand-eye calibration of the same authors (`out_handeye_data.xml`, millimetres).
