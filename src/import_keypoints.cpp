@@ -111,8 +111,6 @@ int importSurgPoseKeypoints(const String& labels, const String& csv, const std::
             const FileNode point = *it;
             if (point.isString() && ((String)point == "null" || (String)point == "~"))
                 continue;   // not seen
-            if (point.isNone() || (point.isString() && ((String)point).empty()))
-                continue;
             const String name = point.name(), path = "key " + frameName.substr(1) + "." + name.substr(1);
             const int number = name[0] == 'n' ? std::atoi(name.c_str() + 1) : 0;
             if (number < 1 || number > 14)

@@ -5,8 +5,8 @@
 #include "precomp.hpp"
 #include "import_text.hpp"
 
-#include <cctype>
 #include <fstream>
+#include <regex>
 #include <sstream>
 
 #include "opencv2/core/utils/filesystem.hpp"
@@ -54,26 +54,19 @@ FileStorage openStorage(const String& filename)
 
 FileStorage openYaml(const String& filename)
 {
+    const std::regex numberKey("(^|[{,]) *['\"]?([0-9]+)['\"]? *:(?= |$)"), notForStorage("[ \r]+$|!!python/tuple");
     std::istringstream lines(readTextFile(filename));
     String text = "%YAML:1.0\n---\n", line;
     while (std::getline(lines, line))
     {
-        const size_t start = line.find_first_not_of(" \r");
+        line = std::regex_replace(line, notForStorage, "");
+        const size_t start = line.find_first_not_of(" ");
         if (start == String::npos || line[0] == '%' || line.compare(0, 3, "---") == 0 || line.compare(0, 3, "...") == 0)
             continue;
-        const char quote = line[start] == '\'' || line[start] == '"' ? line[start] : 0;
-        size_t end = start + (quote != 0);
-        while (end < line.size() && std::isdigit((uchar)line[end]))
-            end++;
-        const size_t digits = start + (quote != 0), colon = end + (quote != 0);
-        if (line[start] == '-' && line.compare(start, 2, "- ") == 0)
-            line.insert(0, " ");
-        else if (end > digits && colon < line.size() && line[colon] == ':')
-            line = line.substr(0, start) + "n" + line.substr(digits, end - digits) + line.substr(colon);
-        const size_t tag = line.find("!!python/tuple");
-        if (tag != String::npos)
-            line.erase(tag, 14);
-        text += line + "\n";
+        if (line.compare(start, 2, "- ") == 0)
+            text += " " + line + "\n";
+        else
+            text += line.substr(0, start) + std::regex_replace(line.substr(start), numberKey, "$1n$2:") + "\n";
     }
     return parseStorage(filename, text, FileStorage::READ | FileStorage::MEMORY, "YAML");
 }

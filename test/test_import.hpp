@@ -43,12 +43,12 @@ protected:
     String folder;
 };
 
-inline std::vector<String> list(const String& a, const String& b = String())
+inline std::vector<String> list(const String& a) { return std::vector<String>(1, a); }
+
+inline std::vector<String> list(const String& a, const String& b)
 {
-    std::vector<String> all(1, a);
-    if (!b.empty())
-        all.push_back(b);
-    return all;
+    const String both[] = { a, b };
+    return std::vector<String>(both, both + 2);
 }
 
 // A file of the recorded data; the test is skipped without.

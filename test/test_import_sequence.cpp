@@ -339,12 +339,12 @@ TEST_F(SurgTrack_ImportDaVinci, theRecordingsOfThePaperAreRead)
                     difference -= CV_PI * 2 * cvRound(difference / (CV_PI * 2));
                 (i == 2 ? worstSlide : worst) = std::max(i == 2 ? worstSlide : worst, std::abs(difference));
                 sum += i == 2 ? 0 : std::abs(difference) / (6 * 373);
-                EXPECT_TRUE(frame == 0 || std::abs(joints(frame, i) - joints(frame - 1, i)) < 0.5) << "a jump at frame " << frame;
+                EXPECT_TRUE(frame == 0 || std::abs(joints(frame, i) - joints(frame - 1, i)) < 1) << "frame " << frame;   // the jaw opens by 0.5 within a frame
             }
         printf("PSM%d: joints differ by at most %.1e rad and %.1e m, by %.1e rad on average\n", arm, worst, worstSlide, sum);
-        EXPECT_LT(worst, 6e-3);        // poses of one frame contradict each other by 5e-3 rad in fast motion; who fits them how decides
-        EXPECT_LT(worstSlide, 2e-4);   // and by 0.17 mm
-        EXPECT_LT(sum, 1e-4);          // most frames stand still
+        EXPECT_LT(worst, 3e-3);        // poses of one frame contradict each other by 5e-3 rad in fast motion: it depends on the weights
+        EXPECT_LT(worstSlide, 5e-5);   // and by 0.17 mm
+        EXPECT_LT(sum, 1e-5);          // most frames are slow
         Matx44d expected;
         const FileNode rows = answer["camera_T_base"];
         for (int i = 0; i < 16; i++)
@@ -388,7 +388,7 @@ TEST_F(SurgTrack_ImportKeypoints, labelsOfSurgPoseBecomeKeypoints)
     const char* const texts[] = {
         "0:\n  1:\n  - 585.0\n  - 404.5\n  2: null\n  9:\n  - 700\n  - 300\n12:\n  1: null\n  2:\n  - 1.0\n  - 2.0\n",
         "0: {1: [585.0, 404.5], 2: null, 9: [700, 300]}\n12: {1: null, 2: [1.0, 2.0]}\n",
-        "'0':\n  '1': [585.0, 404.5]\n  '2':\n  '9': !!python/tuple\n  - 700\n  - 300\n'12':\n  '2': [1, 2]\n" };
+        "'0':\n  '1': [585.0, 404.5]\n  '2': null\n  '9': !!python/tuple\n  - 700\n  - 300\n'12':\n  '2': [1, 2]\n" };
     for (int i = 0; i < 3; i++)
     {
         EXPECT_EQ(3, importSurgPoseKeypoints(put("keypoints_left.yaml", texts[i]), path("all.csv"))) << texts[i];
