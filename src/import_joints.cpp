@@ -7,6 +7,8 @@
 #include "opencv2/surgtrack/import.hpp"
 
 #include <cctype>
+#include <cstdlib>
+#include <cstring>
 
 // importJoints(): CSV files of recorded joint readings.
 

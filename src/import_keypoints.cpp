@@ -7,6 +7,8 @@
 #include "import_text.hpp"
 #include "text_table.hpp"
 
+#include <cstdlib>
+
 #ifdef HAVE_NLOHMANN_JSON
 #include "import_json.hpp"
 #endif

@@ -144,6 +144,29 @@ TEST_F(SurgTrack_ImportDvrk, theLargeNeedleDriverIsThatOfTheToolFile)
     }
 }
 
+TEST_F(SurgTrack_ImportDvrk, meshesInTheAxesOfTheToolAreThoseOfTheToolFile)
+{
+    const String psm = recorded("formats/dvrk/PSM.json"), instrument = recorded("formats/dvrk/LARGE_NEEDLE_DRIVER_400006.json");
+    const Ptr<ToolModel> expected = ToolModel::load(recorded("tools/large_needle_driver/large_needle_driver_lowres.yaml"), 0);
+    const char* const links[][2] = { { "roll", "shaft" }, { "wrist_pitch", "logobody" }, { "jaw_right", "jawRight" }, { "jaw_left", "jawLeft" } };
+    ToolParts parts;
+    for (int i = 0; i < 4; i++)
+        parts.meshes.push_back(links[i][0] + (":" + recorded(format("tools/large_needle_driver/meshes_lowres/%s.ply", links[i][1]))));
+    parts.meshScale = 0.001;
+    parts.meshesInToolAxes = true;
+    parts.keypoints = put("points.csv", "name,link,x,y,z\nshaft_pivot_flat,roll,0,0,-3.93\nlogo_s_flat,wrist_pitch,-0.317,-5.841,2.998\n");
+    const Ptr<ToolModel> model = orSkip([&]() { return importDvrkTool(list(psm, instrument), parts); });
+    ASSERT_EQ(4u, model->meshes().size());
+    for (size_t i = 0; i < 4; i++)
+        EXPECT_EQ(0, cvtest::norm(Mat(model->meshes()[i].vertices), Mat(expected->meshes()[i].vertices), NORM_INF));
+    for (size_t i = 0; i < 2; i++)
+    {
+        const std::vector<String> names = expected->keypointNames();
+        const size_t k = std::find(names.begin(), names.end(), model->keypointNames()[i]) - names.begin();
+        EXPECT_LT(cv::norm(model->keypoints()[i].linkPoint - expected->keypoints()[k].linkPoint), 1e-15);   // rounding
+    }
+}
+
 TEST_F(SurgTrack_ImportDvrk, theTipOfTheFileIsTakenWhereItHasAPlace)
 {
     needleDriver()->save(path("driver.yaml"));
