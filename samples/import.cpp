@@ -88,6 +88,12 @@ private:
         return text(name);
     }
 
+    const std::vector<String>& files() const
+    {
+        needed("in", "FILE");
+        return in_;
+    }
+
     String oneFile() const
     {
         if (in_.size() != 1)
@@ -115,9 +121,7 @@ private:
         parts.packages = text("packages");
         parts.base = text("base");
         parts.endEffector = text("end-effector");
-        if (in_.empty())
-            common::fail("expected --in=FILE, see --help");
-        const Ptr<ToolModel> model = from == "dvrk" ? importDvrkTool(in_, parts) : importUrdfTool(oneFile(), parts);
+        const Ptr<ToolModel> model = from == "dvrk" ? importDvrkTool(files(), parts) : importUrdfTool(oneFile(), parts);
         model->save(out);
         size_t triangles = 0;
         for (size_t i = 0; i < model->meshes().size(); i++)
@@ -167,7 +171,7 @@ private:
     void importCameras(const String& from) const
     {
         if (from == "camera_info")
-            putCameras(importCameraInfo(in_));
+            putCameras(importCameraInfo(files()));
         else if (from == "surgpose")
             putCameras(importSurgPoseCameras(oneFile()));
         else
@@ -180,7 +184,7 @@ private:
             if (!sizeText.empty() && (std::sscanf(sizeText.c_str(), "%dx%d%c", &size.width, &size.height, &rest) != 2 || size.width <= 0
                                       || size.height <= 0))
                 common::fail("argument '--image-size=" + sizeText + "': expected WIDTHxHEIGHT");
-            putCameras(importOpenCVCameras(in_, unit.empty() ? 0 : unit == "m" ? 1 : unit == "cm" ? 0.01 : 0.001, size));
+            putCameras(importOpenCVCameras(files(), unit.empty() ? 0 : unit == "m" ? 1 : unit == "cm" ? 0.01 : 0.001, size));
         }
     }
 
@@ -217,7 +221,7 @@ private:
         const Ptr<ToolModel> model = ToolModel::load(filename, 0);
         std::vector<double> times;
         Mat joints;
-        importJoints(in_, model->coordinateNames(), times, joints, split(text("columns")));
+        importJoints(files(), model->coordinateNames(), times, joints, split(text("columns")));
         const double start = text("start").empty() ? times[0] : common::number(parser_, "start", -1e300, 1e300);
         for (size_t i = 0; i < times.size(); i++)
             times[i] -= start;
@@ -280,8 +284,9 @@ int main(int argc, char** argv)
     common::silenceLibraries();
     try
     {
-        const char* const options[] = { "from", "in", "out", "into", "like", "meshes", "mesh-scale", "mesh-axes", "keypoints", "packages", "base",
-                                        "end-effector", "unit", "image-size", "left", "right", "fps", "tool", "model", "columns", "start", "hand-eye", "tools" };
+        const char* const options[] = { "from", "in", "out", "into", "like", "meshes", "mesh-scale", "mesh-axes", "keypoints", "packages",
+                                        "base", "end-effector", "unit", "image-size", "left", "right", "fps", "tool", "model", "columns",
+                                        "start", "hand-eye", "tools" };
         const char* const flags[] = { "help", "quiet" };
         common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 23), std::vector<std::string>(flags, flags + 2));
         CommandLineParser parser(argc, argv, KEYS);

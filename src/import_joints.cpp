@@ -115,7 +115,7 @@ public:
         const double interval = (times.back() - times.front()) / (times.size() - 1);
         const bool nanoseconds = interval >= 2e5;
         if (!nanoseconds && interval > 0.5)
-            fail(format("column '%s': expected seconds or nanoseconds, readings are %g apart, which as either is no rate between 2 Hz and 5 kHz",
+            fail(format("column '%s': expected seconds or nanoseconds, readings are %g apart: as either no rate from 2 Hz to 5 kHz",
                         csv_.header()[whole_].c_str(), interval));
         for (size_t i = 0; nanoseconds && i < times.size(); i++)
             times[i] *= 1e-9;

@@ -52,7 +52,8 @@ TEST_F(SurgTrack_ImportCameras, cameraInfoNeedsNoYamlLine)
     EXPECT_EQ(-0.005, cameras.left.k[2]);
     EXPECT_EQ(Size(), cameras.right.imageSize());
     // Lists as PyYAML writes them, a document start, comments.
-    String text = replaced(CAMERA_INFO, "  data: [-0.25, 0.125, -0.005, 0.001, 0]\n", "  data:\n  - -0.25\n  - 0.125\n  - -0.005\n  - 0.001\n  - 0\n");
+    String text = replaced(CAMERA_INFO, "  data: [-0.25, 0.125, -0.005, 0.001, 0]\n",
+                           "  data:\n  - -0.25\n  - 0.125\n  - -0.005\n  - 0.001\n  - 0\n");
     text = "# from the lab\n---\n" + text;
     EXPECT_EQ(0.001, importCameraInfo(list(put("left.yaml", text))).left.k[3]);
 }
@@ -142,7 +143,8 @@ TEST_F(SurgTrack_ImportCameras, thePapersCalibrationIsRead)
 }
 
 const char* const SURGPOSE =
-    "[StereoLeft]\nres_x=1400\nres_y=986\nfc_x=1811.91\nfc_y=1809.64\ncc_x=588.5\ncc_y=477.25\nkc_0=-0.3\nkc_1=0.6\nkc_2=0.001\nkc_3=0.002\nkc_4=-0.7\n\n"
+    "[StereoLeft]\nres_x=1400\nres_y=986\nfc_x=1811.91\nfc_y=1809.64\ncc_x=588.5\ncc_y=477.25\nkc_0=-0.3\n"
+    "kc_1=0.6\nkc_2=0.001\nkc_3=0.002\nkc_4=-0.7\n\n"
     "[StereoRight]\r\nres_x = 1400\r\nres_y = 986\r\nfc_x = 1801\nfc_y = 1800\ncc_x = 700\ncc_y = 480\nkc_0 = -0.31\nkc_1 = 0.5\nkc_2 = 0.003\n"
     "kc_3 = 0.004\nkc_4 = 0.1\nR_0=1\nR_1=0\nR_2=0\nR_3=0\nR_4=0.8\nR_5=-0.6\nR_6=0\nR_7=0.6\nR_8=0.8\nT_0=-5.5\nT_1=-0.25\nT_2=0.5\n";
 
@@ -339,7 +341,8 @@ TEST_F(SurgTrack_ImportDaVinci, theRecordingsOfThePaperAreRead)
                     difference -= CV_PI * 2 * cvRound(difference / (CV_PI * 2));
                 (i == 2 ? worstSlide : worst) = std::max(i == 2 ? worstSlide : worst, std::abs(difference));
                 sum += i == 2 ? 0 : std::abs(difference) / (6 * 373);
-                EXPECT_TRUE(frame == 0 || std::abs(joints(frame, i) - joints(frame - 1, i)) < 1) << "frame " << frame;   // the jaw opens by 0.5 within a frame
+                // the jaw opens by 0.5 within a frame
+                EXPECT_TRUE(frame == 0 || std::abs(joints(frame, i) - joints(frame - 1, i)) < 1) << "frame " << frame;
             }
         printf("PSM%d: joints differ by at most %.1e rad and %.1e m, by %.1e rad on average\n", arm, worst, worstSlide, sum);
         EXPECT_LT(worst, 3e-3);        // poses of one frame contradict each other by 5e-3 rad in fast motion: it depends on the weights
