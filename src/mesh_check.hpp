@@ -27,6 +27,8 @@ public:
         std::ostringstream content;
         content << file.rdbuf();
         data_ = content.str();
+        if (data_.compare(0, 42, "version https://git-lfs.github.com/spec/v1") == 0)
+            fail("is the pointer git-LFS leaves in the place of a file, expected the mesh itself: run `git lfs pull` where it comes from");
     }
 
     void checkPLY();

@@ -4,49 +4,18 @@
 
 #include "precomp.hpp"
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <locale>
-#include <sstream>
 #include "opencv2/core/utils/filesystem.hpp"
 #include "opencv2/videoio.hpp"
 #include "quaternion.hpp"
 #include "synthetic_write.hpp"
+#include "text_table.hpp"
 
 namespace cv { namespace surgtrack {
 
 namespace {
 
 const double RECORD_RATE = 100;    // [Hz]
-
-void writeText(const String& filename, const String& text)
-{
-    FILE* file = std::fopen(filename.c_str(), "wb");
-    const bool written = file && std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0;
-    const String reason = written ? "" : std::strerror(errno);
-    const bool closed = !file || std::fclose(file) == 0;
-    if (!written || !closed)
-        CV_Error(Error::StsError, format("%s: can't be written: %s", filename.c_str(), reason.c_str()));
-}
-
-//! Text with the decimal point whatever the locale.
-class Table
-{
-public:
-    explicit Table(const String& header)
-    {
-        text_.imbue(std::locale::classic());
-        text_.precision(9);
-        text_ << header;
-    }
-    Table& operator<<(const String& s) { text_ << s; return *this; }
-    Table& operator<<(int v) { text_ << v; return *this; }
-    Table& operator<<(double v) { text_ << v; return *this; }
-    void write(const String& filename) const { writeText(filename, text_.str()); }
-
-private:
-    std::ostringstream text_;
-};
 
 //! A video file that is complete when finish() returns.
 class VideoFile

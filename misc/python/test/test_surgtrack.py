@@ -274,6 +274,52 @@ class surgtrack_test(NewOpenCVTests):
         self.assertFalse(known)
         self.assertIn('of the video', found.reason)
 
+    def test_imported_files_become_a_sequence(self):
+        with open(self.path("left.yaml"), "w") as f:   # as ROS writes it
+            f.write("image_width: 720\nimage_height: 576\ndistortion_model: plumb_bob\n"
+                    "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [818.5, 0, 360, 0, 822, 288, 0, 0, 1]\n"
+                    "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [-0.2, 0.1, 0, 0, 0]\n")
+        with open(self.path("js.csv"), "w") as f:
+            f.write("header.stamp,position[0],position[1],position[2],position[3],position[4],position[5],position[6]\n")
+            for k in range(3):
+                f.write("%d,0.1,0.2,0.12,0.4,0.5,0.6,0.%d\n" % (1700000000000000000 + k * 10000000, k))
+        cameras = st.importCameraInfo([self.path("left.yaml")])
+        self.assertEqual(cameras.left.cameraMatrix()[0, 0], 818.5)
+        self.assertEqual(tuple(cameras.right.imageSize()), (0, 0))
+        names = self.model.coordinateNames()
+        times, joints = st.importJoints([self.path("js.csv")], names)
+        self.assertEqual(joints.shape, (3, 7))
+        self.assertEqual(joints[2, 6], 0.2)
+        st.writeSequenceCameras(self.path("s"), cameras, "left.mp4", "", 25)
+        st.writeSequenceTool(self.path("s"), "PSM1", "tool.yaml", np.eye(4))
+        st.writeSequenceJoints(self.path("s"), "PSM1", names, np.subtract(times, times[0]), joints)
+        sequence = st.Sequence.load(self.path("s"))
+        self.assertEqual(sequence.fps(), 25)
+        self.assertEqual(sequence.tool(0).model, os.path.join(self.path("s"), "tool.yaml"))
+        self.assertAlmostEqual(sequence.jointsAt(0, 0.01)[1][6], 0.1, 6)   # a clock of seconds since 1970 resolves 0.2 microseconds
+
+    def test_imported_tools_take_parts_from_another(self):
+        self.model.save(self.path("driver.yaml"))
+        with open(self.path("tool.urdf"), "w") as f:
+            f.write('<robot name="shaft"><link name="base"/><link name="shaft"/><link name="wrist"/><link name="yaw"/><link name="jaw_right"/>'
+                    '<link name="jaw_left"/>' + ''.join(
+                        '<joint name="%s" type="continuous"><parent link="%s"/><child link="%s"/><axis xyz="0 0 1"/></joint>' % joint for joint in
+                        (("q4", "base", "shaft"), ("q5", "shaft", "wrist"), ("q6", "wrist", "yaw"), ("right", "yaw", "jaw_right"),
+                         ("left", "yaw", "jaw_left"))) + '</robot>')
+        parts = st.ToolParts()
+        parts.like = self.path("driver.yaml")
+        try:
+            tool = st.importUrdfTool(self.path("tool.urdf"), parts)
+        except cv.error as e:
+            if e.code != cv.Error.StsNotImplemented:
+                raise
+            self.skipTest(e.err)
+        self.assertEqual(sorted(tool.coordinateNames()), ["left", "q4", "q5", "q6", "right"])
+        self.assertEqual(tool.keypointNames(), self.model.keypointNames())
+        parts.endEffector = "elbow"
+        with self.assertRaises(cv.error):
+            st.importUrdfTool(self.path("tool.urdf"), parts)
+
     def test_scene_is_deterministic(self):
         image = self.scene().render(3)
         self.assertEqual((image.shape, image.dtype), ((288, 360, 3), np.uint8))
