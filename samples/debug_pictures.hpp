@@ -270,7 +270,7 @@ private:
             circle(picture, u, 6, Scalar::all(0), visible ? (int)FILLED : 3, LINE_AA);
             circle(picture, u, visible ? 5 : 6, partColor(i), visible ? (int)FILLED : 1, LINE_AA);
             if (visible)
-                write(picture, names[i], Point(u) + Point(8, 4), 0.4, partColor(i));
+                write(picture, names[i], Point(u) + Point(8, 4), 0.4);
         }
         write(picture, title_ + ": drawn as expected; filled: parts with a template", Point(8, 18));
         return picture;
@@ -293,15 +293,29 @@ private:
             drawOrientations(pictures[i], zoomed(orientations, INTER_NEAREST));
             write(pictures[i], i == 0 ? title_ + ": orientations of the drawing" : "orientations of the image", Point(8, 18));
         }
-        const int radius = pictures[0].rows / 9;
-        drawOrientationLegend(pictures[0], Point(pictures[0].cols - 2 * radius + radius / 2, pictures[0].rows - 2 * radius + radius / 2), radius);
+        drawOrientationLegend(pictures[0], freeCorner(tools), pictures[0].rows / 9);
         return beside(pictures[0], pictures[1]);
+    }
+
+    //! Where a legend hides least of the tools.
+    Point freeCorner(const std::vector<DebugTool>& tools) const
+    {
+        Mat covered = Mat::zeros(view_.imageSize(), CV_8UC3), grey;
+        drawTools(covered, view_, drawn(tools, false, Scalar::all(255), 1), renderer_, 0);
+        cvtColor(covered, grey, COLOR_BGR2GRAY);
+        const int side = 3 * (grey.rows / 9), right = grey.cols - side, bottom = grey.rows - side;
+        const Point corners[] = { Point(right, bottom), Point(0, bottom), Point(right, side / 6), Point(0, side / 6) };   // below the title
+        int best = 0;
+        for (int i = 1; i < 4; i++)
+            if (countNonZero(grey(Rect(corners[i], Size(side, side)))) < countNonZero(grey(Rect(corners[best], Size(side, side)))))
+                best = i;
+        return corners[best] + Point(side / 2, side / 2);
     }
 
     //! Tiles of one size in rows.
     static Mat tile(const std::vector<Mat>& tiles, const String& title)
     {
-        const int gap = 6, columns = std::max(3, cvCeil(std::sqrt(1.25 * double(tiles.size())))), rows = ((int)tiles.size() + columns - 1) / columns;
+        const int gap = 6, columns = std::max(3, cvCeil(std::sqrt(2 * double(tiles.size())))), rows = ((int)tiles.size() + columns - 1) / columns;
         const Size size(tiles[0].cols + gap, tiles[0].rows + gap);
         Mat result(30 + rows * size.height, std::max(columns * size.width + gap, (int)WIDTH), CV_8UC3, Scalar::all(40));
         for (int i = 0; i < (int)tiles.size(); i++)
@@ -329,7 +343,7 @@ private:
         for (size_t i = 0; i < parts_.size(); i++)
         {
             Mat padded, picture;
-            copyMakeBorder(drawing, padded, reach, reach, reach, reach, BORDER_CONSTANT, Scalar::all(0));
+            copyMakeBorder(drawing * 0.6, padded, reach, reach, reach, reach, BORDER_CONSTANT, Scalar::all(0));
             resize(padded(Rect(parts_[i].anchor.x, parts_[i].anchor.y, 2 * reach + 1, 2 * reach + 1)), picture, Size(), pixel, pixel, INTER_NEAREST);
             const Point middle(picture.cols / 2, picture.rows / 2);
             drawTemplate(picture, parts_[i], middle, pixel);
@@ -418,7 +432,7 @@ private:
         Mat picture = zoomed(image_, INTER_CUBIC) * 0.8;
         drawTools(picture, view_, drawn(tools, true, Scalar(0, 255, 0), 0), renderer_, 1);
         drawContour(picture, points, 2 * within, zoom_);
-        write(picture, title_ + format(": outline as found, %d of %d points within 1.5 px of an edge", supported, (int)points.size()), Point(8, 18));
+        write(picture, title_ + format(": outline as found, %d of %d points on an edge", supported, (int)points.size()), Point(8, 18));
         return picture;
     }
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Plots of a run over time, from the poses file it wrote:
 
-    example_surgtrack_track_sequence --sequence=DIR --poses=poses.csv
-    plot_run.py poses.csv [--sequence=DIR] [--out=FOLDER]
+    example_surgtrack_track_sequence --sequence=DIR --poses=poses.csv --timings=timings.csv
+    plot_run.py poses.csv [--timings=timings.csv] [--sequence=DIR] [--out=FOLDER]
 
 poses.png: position and orientation with the band of two standard deviations; evidence.png: state, parts, similarity, outline, NIS;
 offsets.png: what is added to the joint readings; with --sequence, errors.png: errors against the ground truth, in the same bands;
-with a column `latency` or columns `time_*`, timings.png.
+with --timings, timings.png.
 """
 import argparse
 import csv
@@ -26,7 +26,8 @@ class DataError(Exception):
 
 
 def read(filename, needed):
-    """Rows of a CSV file by tool, in the file's order: {tool: {column: list}}. All columns but tool and status are numbers, NaN where there is nothing."""
+    """Rows of a CSV file by tool, '' without such a column, in the file's order: {tool: {column: list}}. All other columns but
+    status are numbers, NaN where there is nothing."""
     try:
         with open(filename, newline="") as file:
             reader = csv.DictReader(file)
@@ -38,7 +39,7 @@ def read(filename, needed):
             for line, row in enumerate(reader, 2):
                 if None in row.values():
                     raise DataError("%s, line %d: has fewer columns than line 1" % (filename, line))
-                tool = tools.setdefault(row["tool"], {column: [] for column in header})
+                tool = tools.setdefault(row.get("tool", ""), {column: [] for column in header})
                 for column in header:
                     try:
                         tool[column].append(row[column] if column in TEXTS else float(row[column] or "nan"))
@@ -164,7 +165,7 @@ def plotComponents(pyplot, run, values, folder, name, title, centred):
 
 def plotEvidence(pyplot, run, folder):
     rows = [("similarity", "similarity of the parts"), ("contour", "share of the outline with an edge"), ("nis", "NIS per degree of freedom")]
-    rows = [row for row in rows if row[0] in run.columns("")]
+    rows = [row for row in rows if run.columns(row[0])]
     count = len(rows) + 2
     figure, axes = pyplot.subplots(count, 1, figsize=(11, 1.2 + 1.7 * count), sharex=True, squeeze=False)
     names = list(run.tools)
@@ -192,22 +193,34 @@ def plotEvidence(pyplot, run, folder):
     save(pyplot, figure, folder, "evidence.png")
 
 
-def plotColumns(pyplot, run, names, folder, filename, title, label):
-    """One axis a column."""
+def plotOffsets(pyplot, run, names, folder):
     columns = min(4, len(names))
     lines = -(-len(names) // columns)
     figure, axes = pyplot.subplots(lines, columns, figsize=(1.5 + 3.5 * columns, 0.8 + 2.6 * lines), squeeze=False, sharex=True)
     for axis in axes.flat[len(names):]:
         axis.axis("off")
     for axis, name in zip(axes.flat, names):
-        for (tool, values), color in zip(run.tools.items(), COLORS):
-            axis.plot(values["time"], values[name], color=color, lw=1, label=tool)
-        axis.set_title(name, fontsize=9)
+        for (label, tool), color in zip(run.tools.items(), COLORS):
+            axis.plot(tool["time"], tool[name], color=color, lw=1, label=label)
+        axis.set_title(name[len("offset_"):], fontsize=9)
     for line in axes:
-        line[0].set_ylabel(label)
+        line[0].set_ylabel("offset [rad or m]")
     axes[0, 0].legend(fontsize=7)
-    finish(axes, title)
-    save(pyplot, figure, folder, filename)
+    finish(axes, "what is added to the joint readings")
+    save(pyplot, figure, folder, "offsets.png")
+
+
+def plotTimings(pyplot, timings, folder):
+    figure, axes = pyplot.subplots(1, 1, figsize=(11, 4), squeeze=False)
+    stages = [c for c in timings if c not in ("frame", "time", "total")]
+    axes[0, 0].stackplot(timings["time"], [[1e3 * v for v in timings[c]] for c in stages], labels=stages, alpha=0.8, lw=0)
+    total = [1e3 * v for v in timings["total"]]
+    axes[0, 0].plot(timings["time"], total, color="black", lw=0.7, label="total")
+    axes[0, 0].set_ylim(0, 1.3 * sorted(total)[int(0.97 * (len(total) - 1))])   # the first frame may leave the picture
+    axes[0, 0].set_ylabel("time of a frame [ms]")
+    axes[0, 0].legend(fontsize=8, ncol=len(stages) + 1, loc="upper center")
+    finish(axes, "time of the tracker by stage, median %.2f ms" % sorted(total)[len(total) // 2])
+    save(pyplot, figure, folder, "timings.png")
 
 
 def plot(args):
@@ -229,10 +242,9 @@ def plot(args):
     plotEvidence(pyplot, run, args.out)
     offsets = run.columns("offset_")
     if offsets:
-        plotColumns(pyplot, run, offsets, args.out, "offsets.png", "what is added to the joint readings", "offset [rad or m]")
-    timings = run.columns("latency") + run.columns("time_")
-    if timings:
-        plotColumns(pyplot, run, timings, args.out, "timings.png", "times of the frames", "time [s]")
+        plotOffsets(pyplot, run, offsets, args.out)
+    if args.timings:
+        plotTimings(pyplot, read(args.timings, ["time", "total"])[""], args.out)
     if run.truth:
         errors = {name: run.errors(name) for name in run.tools}
         plotComponents(pyplot, run, errors, args.out, "errors.png", "errors in the camera frame, and the bands of 2 standard deviations", True)
@@ -241,6 +253,7 @@ def plot(args):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("poses", help="poses file of a run")
+    parser.add_argument("--timings", help="timings file of the run")
     parser.add_argument("--sequence", help="its folder with groundtruth.csv, for the errors")
     parser.add_argument("--out", default=".", help="folder for the pictures, default: here")
     args = parser.parse_args()

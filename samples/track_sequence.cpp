@@ -4,6 +4,7 @@
 
 // Tracks the tools of a recorded sequence: video, joint readings and a rough hand-eye calibration in, tool poses out.
 
+#include <fstream>
 #include <limits>
 #include <map>
 #include "opencv2/imgproc.hpp"
@@ -24,6 +25,7 @@ const char* const KEYS =
     "{ sequence |       | folder of the sequence; without it a synthetic one is made in ./surgtrack_demo and tracked }"
     "{ poses    |       | CSV file to write the poses to }"
     "{ video    |       | MP4 file to draw the result into: kinematics in red, estimate in green, matched parts as dots }"
+    "{ timings  |       | CSV file to write the time of each stage in each frame to [s] }"
     "{ debug    |       | folder to write pictures of every stage to, see --debug-frames }"
     "{ debug-frames |   | the frames to do so for: 3,17,40, or every:N from the first one on; default every:25 }"
     "{ method   | full  | full: with joint offsets and outlines; paper: Ye et al. 2016; epnp: their baseline, EPnP on each frame alone }"
@@ -36,7 +38,7 @@ const char* const KEYS =
 
 struct Options
 {
-    String sequence, poses, video, debug, debugFrames;
+    String sequence, poses, video, timings, debug, debugFrames;
     int method, start, frames;
     double timeOffset;    // [s]
     bool findTimeOffset, stereo, renderAhead, quiet;
@@ -57,6 +59,7 @@ Options readOptions(const CommandLineParser& parser)
     options.sequence = parser.get<String>("sequence");
     options.poses = parser.get<String>("poses");
     options.video = parser.get<String>("video");
+    options.timings = parser.get<String>("timings");
     options.debug = parser.get<String>("debug");
     options.debugFrames = parser.get<String>("debug-frames");
     options.start = common::integer(parser, "start", 0);
@@ -338,12 +341,50 @@ void record(Run& run, int frame, const std::vector<ToolEstimate>& estimates, Pos
     run.frames++;
 }
 
+//! The time of each stage in each frame, to be written beside the poses, which are the same on every machine.
+class TimingsWriter
+{
+public:
+    explicit TimingsWriter(const String& filename) : filename_(filename), file_(filename.c_str()), stages_(0) { check(); }
+
+    void write(int frame, double time, const std::vector<StageTime>& stages)
+    {
+        if (stages_ == 0)
+        {
+            file_ << "frame,time";
+            for (size_t i = 0; i < stages.size(); i++)
+                file_ << ',' << stages[i].name;
+            file_ << '\n';
+        }
+        stages_ = stages.size();
+        file_ << frame << ',' << time;
+        for (size_t i = 0; i < stages.size(); i++)
+            file_ << ',' << stages[i].last;
+        file_ << std::endl;
+        check();
+    }
+
+private:
+    void check() const
+    {
+        if (!file_)
+            fail(filename_ + ": can't be written");
+    }
+
+    String filename_;
+    std::ofstream file_;
+    size_t stages_;
+};
+
 void track(const Options& options, Run& run)
 {
     common::EyesReader reader(*run.sequence, options.start, options.stereo);
     Ptr<PoseWriter> writer;
     if (!options.poses.empty())
         writer = PoseWriter::create(options.poses, columns(run));
+    Ptr<TimingsWriter> timings;
+    if (!options.timings.empty())
+        timings = makePtr<TimingsWriter>(options.timings);
     Ptr<Overlay> overlay;
     if (!options.video.empty())
         overlay = makePtr<Overlay>(options.video, run.sequence->fps(), run.sequence->leftCamera().imageSize());
@@ -376,6 +417,8 @@ void track(const Options& options, Run& run)
                 run.tracker->renderAhead(nextJoints);
             before = estimates;
             trackFrame(run, frame, image, right, joints, estimates);
+            if (timings)
+                timings->write(frame, frame / run.sequence->fps(), run.tracker->getTimings());
             if (debug && debugFrames.wants(frame))
                 debug->write(frame, image, debugTools(run, joints, before, estimates));
         }
@@ -447,9 +490,9 @@ int main(int argc, char** argv)
     common::silenceLibraries();
     try
     {
-        const char* const options[] = { "sequence", "poses", "video", "method", "start", "frames", "time-offset", "debug", "debug-frames" };
+        const char* const options[] = { "sequence", "poses", "video", "method", "start", "frames", "time-offset", "timings", "debug", "debug-frames" };
         const char* const flags[] = { "help", "stereo", "render-ahead", "quiet" };
-        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 9), std::vector<std::string>(flags, flags + 4));
+        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 10), std::vector<std::string>(flags, flags + 4));
         CommandLineParser parser(argc, argv, KEYS);
         parser.about("Tracks the tools of a recorded sequence by their CAD models and joint readings.");
         if (parser.has("help"))

@@ -178,7 +178,7 @@ void view(const CommandLineParser& parser)
     scene->draw(frameOf(*sequence, frame), tools, paths, picture);
     if (!out.empty())
     {
-        putText(picture, format("%s, frame %d   red: as the calibration has it", sequence->name().c_str(), frame), Point(12, 24),
+        putText(picture, format("%s, frame %d   red: as the calibration has it", sequence->name().c_str(), frame), Point(12, picture.rows - 14),
                 FONT_HERSHEY_SIMPLEX, 0.55, Scalar::all(40), 1, LINE_AA);
         bool written = false;
         try

@@ -223,7 +223,7 @@ void drawGeometricContext(InputOutputArray _image, const std::vector<PartMatch>&
     {
         const std::vector<PartMatch>& drawn = pass ? inliers : matches;
         for (size_t i = 0; i < drawn.size(); i++)
-            drawDot(image, predicted ? drawn[i].predictedPoint : drawn[i].imagePoint, (pass ? 5 : 3) * scale, partColor(drawn[i].part), pass == 1, thickness);
+            drawDot(image, predicted ? drawn[i].predictedPoint : drawn[i].imagePoint, (pass ? 5 : 4) * scale, partColor(drawn[i].part), pass == 1, thickness);
     }
 }
 

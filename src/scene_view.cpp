@@ -102,7 +102,7 @@ SceneViewImpl::SceneViewImpl(const CameraModel& camera, Size size, const Drawabl
       placed_(false), depth_(0)
 {
     window_->SetOffScreenRendering(!window);
-    window_->SetMultiSamples(8);
+    window_->SetMultiSamples(window ? 8 : 0);
     if (!window) window_->SetSwapBuffers(0);
     window_->SetSize(size.width, size.height);
     window_->SetWindowName("surgtrack");
@@ -110,6 +110,7 @@ SceneViewImpl::SceneViewImpl(const CameraModel& camera, Size size, const Drawabl
     renderer_->SetBackground(backgroundLow[2] / 255, backgroundLow[1] / 255, backgroundLow[0] / 255);
     renderer_->SetBackground2(backgroundHigh[2] / 255, backgroundHigh[1] / 255, backgroundHigh[0] / 255);
     renderer_->GradientBackgroundOn();
+    renderer_->SetUseFXAA(!window);   // contexts without a window have no multisampling
 }
 
 SceneViewImpl::~SceneViewImpl()
@@ -155,7 +156,7 @@ void SceneViewImpl::addTool(const DrawnTool& tool)
         if (mesh < 0) continue;
         vtkSmartPointer<vtkActor> actor = makeActor(shape.meshes[mesh], tool.color);
         actor->GetProperty()->SetOpacity(tool.opacity);
-        actor->GetProperty()->SetAmbient(0.15);
+        actor->GetProperty()->SetAmbient(0.3);
         actor->GetProperty()->SetSpecular(0.25);
         actor->GetProperty()->SetSpecularPower(20);
         const Matx44d pose = tool.camera_T_base * base_T_link[l];
@@ -244,6 +245,7 @@ void SceneViewImpl::render(Mat& picture)
 {
     SavedGLContexts saved;
     Quiet quiet;
+    window_->MakeCurrent();
     renderer_->ResetCameraClippingRange();
     window_->Render();
     vtkNew<vtkUnsignedCharArray> pixels;
@@ -277,8 +279,8 @@ void SceneViewImpl::draw(InputArray _image, const std::vector<DrawnTool>& tools,
     if (depth_ == 0) depth_ = farthest > 0 ? planeBehind * farthest : defaultDepth;   // kept, so that a film does not wobble
     if (!placed_)
     {
-        const Point3d at = farthest > 0 ? 0.4 * Point3d(0, 0, 0.5 * depth_) + 0.6 * middle : Point3d(0, 0, 0.5 * depth_);
-        setViewpoint(at + Point3d(1.3, -1.1, -1.5) * depth_, at);
+        const Point3d at = farthest > 0 ? 0.55 * Point3d(0, 0, 0.5 * depth_) + 0.45 * middle : Point3d(0, 0, 0.5 * depth_);
+        setViewpoint(at + Point3d(1.15, -0.8, -1.35) * depth_, at);
     }
     std::vector<Mat> lines;
     for (size_t i = 0; i < paths.size(); i++) lines.push_back(paths[i].empty() ? Mat() : asRows(paths[i], 3, "paths"));
@@ -302,6 +304,16 @@ bool SceneViewImpl::test()
 {
     try
     {
+        {
+            SavedGLContexts saved;
+            Quiet quiet;
+            window_->Initialize();
+            window_->MakeCurrent();
+            if (!window_->IsCurrent()) return false;
+            int major = 0, minor = 0;
+            window_->GetOpenGLVersion(major, minor);
+            if (major * 10 + minor < 32) return false;
+        }
         Mat picture;
         render(picture);
         return norm(picture.row(size_.height - 1), Mat(1, size_.width, CV_8UC3, backgroundLow), NORM_INF) < 5;
