@@ -460,9 +460,9 @@ step "C++ tests"
 run_gtest "C++ tests" "$LOGS/test.log" env -u DISPLAY "$BUILD_DIR/bin/opencv_test_surgtrack"
 
 if command -v xvfb-run >/dev/null && command -v xauth >/dev/null; then
-  step "C++ tests of the renderers, with an X server"
+  step "C++ tests of what draws with OpenGL, with an X server"
   run_gtest "C++ tests, X server" "$LOGS/test-x.log" xvfb-run -a -s '-screen 0 1280x1024x24' \
-    "$BUILD_DIR/bin/opencv_test_surgtrack" '--gtest_filter=*MeshRenderer*'
+    "$BUILD_DIR/bin/opencv_test_surgtrack" '--gtest_filter=*MeshRenderer*:*SceneView*'
 fi
 
 step "Python tests"

@@ -37,7 +37,7 @@ Scalar colorOfHue(double hue, double saturation, double value)
 }
 
 // Sizes of dots and lines are made for images 720 pixels wide.
-double penScale(const Mat& image) { return std::max(0.5, image.cols / double(referenceWidth)); }
+double penScale(const Mat& image) { return std::max(1., image.cols / double(referenceWidth)); }
 
 Point fine(const Point2d& p) { return Point(cvRound(p.x * (1 << subpixelBits)), cvRound(p.y * (1 << subpixelBits))); }
 

@@ -243,8 +243,6 @@ void SceneViewImpl::addImage(const Mat& image)
 
 void SceneViewImpl::render(Mat& picture)
 {
-    SavedGLContexts saved;
-    Quiet quiet;
     window_->MakeCurrent();
     renderer_->ResetCameraClippingRange();
     window_->Render();
@@ -285,6 +283,8 @@ void SceneViewImpl::draw(InputArray _image, const std::vector<DrawnTool>& tools,
     std::vector<Mat> lines;
     for (size_t i = 0; i < paths.size(); i++) lines.push_back(paths[i].empty() ? Mat() : asRows(paths[i], 3, "paths"));
 
+    SavedGLContexts saved;   // what is removed lets go of its textures
+    Quiet quiet;
     renderer_->RemoveAllViewProps();
     if (!image.empty()) addImage(image);
     addField();
@@ -304,16 +304,14 @@ bool SceneViewImpl::test()
 {
     try
     {
-        {
-            SavedGLContexts saved;
-            Quiet quiet;
-            window_->Initialize();
-            window_->MakeCurrent();
-            if (!window_->IsCurrent()) return false;
-            int major = 0, minor = 0;
-            window_->GetOpenGLVersion(major, minor);
-            if (major * 10 + minor < 32) return false;
-        }
+        SavedGLContexts saved;
+        Quiet quiet;
+        window_->Initialize();
+        window_->MakeCurrent();
+        if (!window_->IsCurrent()) return false;
+        int major = 0, minor = 0;
+        window_->GetOpenGLVersion(major, minor);
+        if (major * 10 + minor < 32) return false;
         Mat picture;
         render(picture);
         return norm(picture.row(size_.height - 1), Mat(1, size_.width, CV_8UC3, backgroundLow), NORM_INF) < 5;

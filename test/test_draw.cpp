@@ -58,7 +58,7 @@ TEST(SurgTrack_Draw, theOverlayTouchesOnlyTheToolsPixelsAndAllOfThem)
 TEST(SurgTrack_Draw, theNearerToolHidesTheOther)
 {
     const CameraModel camera = endoscope();
-    const PosedTool near(0.09, 0.3), far(0.14, -0.9);
+    const PosedTool near(0.09, 0.3), far(0.14, 0.1);
     const Mat idsNear = idsOf(near, camera), idsFar = idsOf(far, camera), both = (idsNear > 0) & (idsFar > 0);
     ASSERT_GT(countNonZero(both), 500);
     Mat images[2];
@@ -314,7 +314,7 @@ TEST(SurgTrack_SceneView, seenFromTheCameraTheToolIsWhereTheCameraSeesIt)
     const Ptr<SceneView> scene = sceneView(camera, camera.imageSize());
     const Mat black = Mat::zeros(camera.imageSize(), CV_8UC3);
     Mat empty, picture;
-    // A little behind the camera, as its own axes would hide everything; VTK's default angle of view is 30 degrees.
+    // A little behind the camera, for its own axes to be in front; VTK's default angle of view is 30 degrees.
     scene->setViewpoint(Point3d(0, 0, -0.02), Point3d(0, 0, 1));
     scene->draw(black, std::vector<DrawnTool>(), std::vector<Mat>(), empty);
     scene->draw(black, std::vector<DrawnTool>(1, drawn(tool, Scalar(0, 0, 255), 1)), std::vector<Mat>(), picture);
@@ -327,14 +327,14 @@ TEST(SurgTrack_SceneView, seenFromTheCameraTheToolIsWhereTheCameraSeesIt)
     const Mat expected = idsOf(moved, seen) > 0;
     std::vector<Mat> planes;
     split(picture, planes);
-    const Mat red = (planes[2] > 40) & (planes[0] < 40) & (planes[1] < 40);
+    const Mat red = differences(picture, empty) & (planes[2] > 40) & (planes[0] < 40) & (planes[1] < 40);
     Mat wide, narrow;
     const Mat square = getStructuringElement(MORPH_RECT, Size(5, 5));
     dilate(expected, wide, square);   // 2 pixels: OpenGL's half a pixel, and smoothing
     erode(expected, narrow, square);
     EXPECT_GT(countNonZero(narrow), 2000);
     EXPECT_GT(countNonZero(red & narrow), 0.95 * countNonZero(narrow));   // highlights are white
-    EXPECT_LT(countNonZero(red & ~wide), 100);                            // an end of the camera's own red axis
+    EXPECT_LE(countNonZero(red & ~wide), 5);   // smoothed corners
 }
 
 TEST(SurgTrack_SceneView, showsImagePathsAndWhatIsSeenThrough)
