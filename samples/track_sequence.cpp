@@ -4,7 +4,6 @@
 
 // Tracks the tools of a recorded sequence: video, joint readings and a rough hand-eye calibration in, tool poses out.
 
-#include <fstream>
 #include <limits>
 #include <map>
 #include "opencv2/imgproc.hpp"
@@ -13,6 +12,7 @@
 #include "common.hpp"
 #include "debug_pictures.hpp"
 #include "frame_reader.hpp"
+#include "run_output.hpp"
 
 using namespace cv;
 using namespace cv::surgtrack;
@@ -81,39 +81,6 @@ Options readOptions(const CommandLineParser& parser)
     common::FrameChoice(options.debugFrames, options.start);   // an error in it comes before the work
     return options;
 }
-
-//! The overlay video.
-class Overlay
-{
-public:
-    Overlay(const String& filename, double fps, Size size) : filename_(filename), frames_(0)
-    {
-        if (!writer_.open(filename, VideoWriter::fourcc('a', 'v', 'c', '1'), fps, size))
-            writer_.open(filename, VideoWriter::fourcc('m', 'p', '4', 'v'), fps, size);
-        if (!writer_.isOpened())
-            fail(filename + ": can't be written as a video, expected a file in a folder that exists, such as overlay.mp4");
-    }
-
-    void write(const Mat& image)
-    {
-        writer_.write(image);
-        frames_++;
-    }
-
-    //! Throws if the file does not hold what was written, as on a full disk.
-    void finish()
-    {
-        writer_.release();
-        VideoCapture check(filename_);
-        if (frames_ > 0 && (!check.isOpened() || check.get(CAP_PROP_FRAME_COUNT) < frames_))
-            fail(format("%s: not all of its %d frames were written, is the disk full?", filename_.c_str(), frames_));
-    }
-
-private:
-    VideoWriter writer_;
-    String filename_;
-    int frames_;
-};
 
 struct Tool
 {
@@ -341,53 +308,18 @@ void record(Run& run, int frame, const std::vector<ToolEstimate>& estimates, Pos
     run.frames++;
 }
 
-//! The time of each stage in each frame, to be written beside the poses, which are the same on every machine.
-class TimingsWriter
-{
-public:
-    explicit TimingsWriter(const String& filename) : filename_(filename), file_(filename.c_str()), stages_(0) { check(); }
-
-    void write(int frame, double time, const std::vector<StageTime>& stages)
-    {
-        if (stages_ == 0)
-        {
-            file_ << "frame,time";
-            for (size_t i = 0; i < stages.size(); i++)
-                file_ << ',' << stages[i].name;
-            file_ << '\n';
-        }
-        stages_ = stages.size();
-        file_ << frame << ',' << time;
-        for (size_t i = 0; i < stages.size(); i++)
-            file_ << ',' << stages[i].last;
-        file_ << std::endl;
-        check();
-    }
-
-private:
-    void check() const
-    {
-        if (!file_)
-            fail(filename_ + ": can't be written");
-    }
-
-    String filename_;
-    std::ofstream file_;
-    size_t stages_;
-};
-
 void track(const Options& options, Run& run)
 {
     common::EyesReader reader(*run.sequence, options.start, options.stereo);
     Ptr<PoseWriter> writer;
     if (!options.poses.empty())
         writer = PoseWriter::create(options.poses, columns(run));
-    Ptr<TimingsWriter> timings;
+    Ptr<common::TimingsWriter> timings;
     if (!options.timings.empty())
-        timings = makePtr<TimingsWriter>(options.timings);
-    Ptr<Overlay> overlay;
+        timings = makePtr<common::TimingsWriter>(options.timings);
+    Ptr<common::Overlay> overlay;
     if (!options.video.empty())
-        overlay = makePtr<Overlay>(options.video, run.sequence->fps(), run.sequence->leftCamera().imageSize());
+        overlay = makePtr<common::Overlay>(options.video, run.sequence->fps(), run.sequence->leftCamera().imageSize());
 
     Ptr<common::DebugPictures> debug;
     if (!options.debug.empty())
