@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "box_window.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -18,9 +19,11 @@ namespace {
 
 const double ambient = 0.15;   // light from everywhere, as in the drawings that templates are cut from
 
-// All meshes of all tools; the number of a tool plus one is the id of its meshes.
-void placeTools(const std::vector<DrawnTool>& tools, MeshRenderer& renderer, std::vector<MeshInstance>& instances)
+// All meshes of all tools; the number of a tool plus one is the id of its meshes. windows: what holds all that is seen of each.
+void placeTools(const CameraModel& camera, const std::vector<DrawnTool>& tools, MeshRenderer& renderer, std::vector<MeshInstance>& instances,
+                std::vector<Rect>& windows)
 {
+    const Rect2d field = camera.fieldOfView(Rect(Point(), camera.imageSize()));
     CV_CheckLE(tools.size(), size_t(255), "too many tools");
     std::vector<Matx44d> base_T_link;
     for (size_t i = 0; i < tools.size(); i++)
@@ -32,25 +35,46 @@ void placeTools(const std::vector<DrawnTool>& tools, MeshRenderer& renderer, std
         const int firstMesh = renderer.addTool(tool.model);
         tool.model->forwardKinematics(tool.joints, base_T_link);
         const std::vector<ToolModel::Link>& links = tool.model->links();
+        BoxWindow window;
         for (size_t l = 0; l < links.size(); l++)
         {
             if (links[l].mesh < 0) continue;
             const MeshInstance instance = {firstMesh + links[l].mesh, int(i) + 1, tool.camera_T_base * base_T_link[l]};
             instances.push_back(instance);
+            window.add(instance.camera_T_mesh, boxAbout(tool.model->meshes()[links[l].mesh]));
         }
+        windows.push_back(window.get(camera, field));
     }
 }
 
-// What is added to (1 - opacity) * image, for every shade.
-std::vector<Vec3f> shades(const DrawnTool& tool)
+void blend(Mat& image, const Mat& covered, const Mat& shading, const DrawnTool& tool)
 {
-    std::vector<Vec3f> result(256);
+    // In 1 / 256 of a grey level, with half of one for rounding.
+    const int rest = 256 - cvRound(256 * tool.opacity);
+    Vec3i light[256];
     for (int s = 0; s < 256; s++)
+        for (int c = 0; c < 3; c++) light[s][c] = saturate_cast<uchar>(tool.color[c] * (ambient + (1 - ambient) * s / 255)) * (256 - rest) + 128;
+    for (int y = 0; y < image.rows; y++)
     {
-        const double lit = tool.opacity * (ambient + (1 - ambient) * s / 255);
-        result[s] = Vec3f(float(tool.color[0] * lit), float(tool.color[1] * lit), float(tool.color[2] * lit));
+        const uchar *inside = covered.ptr(y), *shades = shading.ptr(y);
+        Vec3b* row = image.ptr<Vec3b>(y);
+        for (int x = 0; x < image.cols; x++)
+            for (int c = 0; inside[x] && c < 3; c++) row[x][c] = uchar((light[shades[x]][c] + rest * row[x][c]) >> 8);
     }
-    return result;
+}
+
+/* Of the pixels that are covered, those near the covered area's border. Lines are drawn about it, and cut: quicker than eroding it.
+   covered: 255 or 0; what goes on beyond its border has no outline there */
+Mat outlineOf(const Mat& covered, int thickness)
+{
+    const int pad = thickness + 1;
+    Mat padded, lines;
+    copyMakeBorder(covered, padded, pad, pad, pad, pad, BORDER_REPLICATE);
+    std::vector<std::vector<Point> > contours;
+    findContours(padded, contours, RETR_LIST, CHAIN_APPROX_NONE);
+    lines = Mat::zeros(padded.size(), CV_8UC1);
+    drawContours(lines, contours, -1, Scalar::all(255), 2 * thickness - 1);
+    return lines(Rect(Point(pad, pad), covered.size())) & covered;
 }
 
 } // namespace
@@ -63,37 +87,19 @@ void drawTools(InputOutputArray _image, const CameraModel& camera, const std::ve
         CV_Error(Error::StsUnmatchedSizes, format("image is %d x %d, the camera's is %d x %d", image.cols, image.rows, camera.imageSize().width,
                                                   camera.imageSize().height));
     const Ptr<MeshRenderer> renderer = _renderer ? _renderer : MeshRenderer::createSoftware();
-    std::vector<MeshInstance> instances;
-    placeTools(tools, *renderer, instances);
-    Rendering rendering;
-    renderer->render(camera, Rect(Point(), camera.imageSize()), instances, rendering);
-    const Rect box = boundingRect(rendering.ids);
-    if (box.empty()) return;
-
-    std::vector<std::vector<Vec3f> > surface;
-    for (size_t i = 0; i < tools.size(); i++) surface.push_back(shades(tools[i]));
-    for (int y = box.y; y < box.y + box.height; y++)
-    {
-        const uchar *ids = rendering.ids.ptr(y), *shading = rendering.shading.ptr(y);
-        Vec3b* row = image.ptr<Vec3b>(y);
-        for (int x = box.x; x < box.x + box.width; x++)
-        {
-            if (!ids[x]) continue;
-            const Vec3f& s = surface[ids[x] - 1][shading[x]];
-            const float rest = float(1 - tools[ids[x] - 1].opacity);
-            for (int c = 0; c < 3; c++) row[x][c] = saturate_cast<uchar>(s[c] + rest * row[x][c]);
-        }
-    }
-
     if (thickness < 0) thickness = std::max(1, cvRound(image.cols / 360.));
-    if (thickness == 0) return;
-    const Mat disc = getStructuringElement(MORPH_ELLIPSE, Size(2 * thickness + 1, 2 * thickness + 1));
+    std::vector<MeshInstance> instances;
+    std::vector<Rect> windows;
+    placeTools(camera, tools, *renderer, instances, windows);
+    Rendering rendering;
     for (size_t i = 0; i < tools.size(); i++)
     {
+        if (windows[i].empty()) continue;
+        renderer->render(camera, windows[i], instances, rendering);   // all of them, for what hides it
+        Mat part = image(windows[i]);
         const Mat covered = rendering.ids == double(i + 1);
-        Mat inner;
-        erode(covered, inner, disc);   // what lies beyond the image's border is no outline
-        image.setTo(tools[i].color, covered & ~inner);
+        blend(part, covered, rendering.shading, tools[i]);
+        if (thickness > 0) part.setTo(tools[i].color, outlineOf(covered, thickness));
     }
 }
 
