@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <set>
 #include <string>
 #include <vector>
 #ifdef _WIN32
@@ -94,6 +95,53 @@ inline int integer(const cv::CommandLineParser& parser, const char* name, int le
                              : cv::format("argument '--%s=%s': expected a whole number from %d to %d", name, text.c_str(), least, most));
     return (int)value;
 }
+
+// Which frames are wanted, as --debug-frames says: `3,17,40`, or `every:25` from the first one on.
+class FrameChoice
+{
+public:
+    FrameChoice(const std::string& text, int first) : text_(text), first_(first), every_(0), seen_(false)
+    {
+        if (text.compare(0, 6, "every:") == 0)
+            every_ = number(text.substr(6), 1);
+        else
+            for (size_t at = 0, comma; at <= text.size(); at = comma + 1)
+            {
+                comma = std::min(text.find(',', at), text.size());
+                frames_.insert(number(text.substr(at, comma - at), 0));
+            }
+    }
+
+    bool wants(int frame)
+    {
+        const bool wanted = every_ ? (frame - first_) % every_ == 0 : frames_.count(frame) > 0;
+        seen_ = seen_ || wanted;
+        return wanted;
+    }
+
+    // At the end: throws if there was none.
+    void check() const
+    {
+        if (!seen_)
+            fail("argument '--debug-frames=" + text_ + "': none of these frames was tracked");
+    }
+
+private:
+    int number(const std::string& word, int least) const
+    {
+        char* end = 0;
+        errno = 0;
+        const long value = std::strtol(word.c_str(), &end, 10);
+        if (end == word.c_str() || *end || errno || value < least || value > INT_MAX)
+            fail("argument '--debug-frames=" + text_ + "': expected numbers of frames, as in 3,17,40, or every:N");
+        return (int)value;
+    }
+
+    std::string text_;
+    int first_, every_;
+    std::set<int> frames_;
+    bool seen_;
+};
 
 // A line on stderr that is written over itself, if stderr is a terminal.
 class Progress

@@ -10,7 +10,9 @@
 #include "opencv2/videoio.hpp"
 #include "opencv2/surgtrack.hpp"
 #include "common.hpp"
+#include "debug_pictures.hpp"
 #include "frame_reader.hpp"
+#include "run_output.hpp"
 
 using namespace cv;
 using namespace cv::surgtrack;
@@ -23,6 +25,9 @@ const char* const KEYS =
     "{ sequence |       | folder of the sequence; without it a synthetic one is made in ./surgtrack_demo and tracked }"
     "{ poses    |       | CSV file to write the poses to }"
     "{ video    |       | MP4 file to draw the result into: kinematics in red, estimate in green, matched parts as dots }"
+    "{ timings  |       | CSV file to write the time of each stage in each frame to [s] }"
+    "{ debug    |       | folder to write pictures of every stage to, see --debug-frames }"
+    "{ debug-frames |   | the frames to do so for: 3,17,40, or every:N from the first one on; default every:25 }"
     "{ method   | full  | full: with joint offsets and outlines; paper: Ye et al. 2016; epnp: their baseline, EPnP on each frame alone }"
     "{ stereo   |       | use the right image too; method full only }"
     "{ start    | 0     | first frame }"
@@ -33,7 +38,7 @@ const char* const KEYS =
 
 struct Options
 {
-    String sequence, poses, video;
+    String sequence, poses, video, timings, debug, debugFrames;
     int method, start, frames;
     double timeOffset;    // [s]
     bool findTimeOffset, stereo, renderAhead, quiet;
@@ -54,6 +59,9 @@ Options readOptions(const CommandLineParser& parser)
     options.sequence = parser.get<String>("sequence");
     options.poses = parser.get<String>("poses");
     options.video = parser.get<String>("video");
+    options.timings = parser.get<String>("timings");
+    options.debug = parser.get<String>("debug");
+    options.debugFrames = parser.get<String>("debug-frames");
     options.start = common::integer(parser, "start", 0);
     options.frames = common::integer(parser, "frames", 0);
     readTimeOffset(parser.get<String>("time-offset"), options);
@@ -66,41 +74,13 @@ Options readOptions(const CommandLineParser& parser)
     options.stereo = parser.has("stereo");
     if (options.stereo && options.method != METHOD_FULL)
         fail("argument '--stereo': method " + method + " uses one image, expected --method=full");
+    if (!options.debugFrames.empty() && options.debug.empty())
+        fail("argument '--debug-frames': expected --debug=DIR too");
+    if (options.debugFrames.empty())
+        options.debugFrames = "every:25";
+    common::FrameChoice(options.debugFrames, options.start);   // an error in it comes before the work
     return options;
 }
-
-//! The overlay video.
-class Overlay
-{
-public:
-    Overlay(const String& filename, double fps, Size size) : filename_(filename), frames_(0)
-    {
-        if (!writer_.open(filename, VideoWriter::fourcc('a', 'v', 'c', '1'), fps, size))
-            writer_.open(filename, VideoWriter::fourcc('m', 'p', '4', 'v'), fps, size);
-        if (!writer_.isOpened())
-            fail(filename + ": can't be written as a video, expected a file in a folder that exists, such as overlay.mp4");
-    }
-
-    void write(const Mat& image)
-    {
-        writer_.write(image);
-        frames_++;
-    }
-
-    //! Throws if the file does not hold what was written, as on a full disk.
-    void finish()
-    {
-        writer_.release();
-        VideoCapture check(filename_);
-        if (frames_ > 0 && (!check.isOpened() || check.get(CAP_PROP_FRAME_COUNT) < frames_))
-            fail(format("%s: not all of its %d frames were written, is the disk full?", filename_.c_str(), frames_));
-    }
-
-private:
-    VideoWriter writer_;
-    String filename_;
-    int frames_;
-};
 
 struct Tool
 {
@@ -115,6 +95,7 @@ struct Run
     std::vector<Tool> tools;
     Ptr<ToolTracker> tracker;
     Ptr<PoseScorer> scorer;
+    Ptr<MeshRenderer> renderer;    // of the overlay
     std::vector<std::vector<double> > timings;    // a stage, a frame [s]
     int frames, skipped;    // skipped: of the frames, those without joint readings
     double seconds, timeOffset;
@@ -128,35 +109,56 @@ std::vector<double> corrected(std::vector<double> joints, const ToolEstimate& es
     return joints;
 }
 
+bool isKnown(const ToolEstimate& estimate) { return estimate.state == STATE_TRACKING || estimate.state == STATE_COASTING; }
+
 void drawResult(Mat& image, const Run& run, const std::vector<std::vector<double> >& joints, const std::vector<ToolEstimate>& estimates)
 {
     const CameraModel camera = run.sequence->leftCamera();
     const double scale = image.cols / 720.;
     const int thickness = std::max(1, cvRound(scale));
+    std::vector<DrawnTool> nominal, found;
     for (size_t i = 0; i < run.tools.size(); i++)
     {
-        const Matx44d& nominal_T_base = run.tools[i].info.nominal_T_base;
+        const Tool& tool = run.tools[i];
+        nominal.push_back(DrawnTool(tool.model, joints[i], tool.info.nominal_T_base, Scalar(0, 0, 255), 0));
+        if (isKnown(estimates[i]))
+            found.push_back(DrawnTool(tool.model, corrected(joints[i], estimates[i]), estimates[i].camera_T_nominal * tool.info.nominal_T_base));
+    }
+    drawTools(image, camera, found, run.renderer);
+    drawTools(image, camera, nominal, run.renderer);
+    for (size_t i = 0; i < run.tools.size(); i++)
+    {
         const ToolEstimate& estimate = estimates[i];
-        const bool known = estimate.state == STATE_TRACKING || estimate.state == STATE_COASTING;
-        drawSkeleton(image, camera, run.tools[i].model, joints[i], nominal_T_base, Scalar(0, 0, 255));
-        if (known)
-            drawSkeleton(image, camera, run.tools[i].model, corrected(joints[i], estimate), estimate.camera_T_nominal * nominal_T_base,
-                         Scalar(0, 255, 0));
-        const int parts = (int)run.tools[i].model->keypointNames().size();
-        for (size_t j = 0; j < estimate.matches.size(); j++)
-        {
-            Mat hsv(1, 1, CV_8UC3, Scalar(179. * estimate.matches[j].part / parts, 255, 255)), bgr;
-            cvtColor(hsv, bgr, COLOR_HSV2BGR);
-            circle(image, estimate.matches[j].imagePoint, cvRound(4 * scale), Scalar(bgr.at<Vec3b>(0)), FILLED, LINE_AA);
-            circle(image, estimate.matches[j].imagePoint, cvRound(4 * scale), Scalar(0, 0, 0), thickness, LINE_AA);
-        }
+        drawMatches(image, estimate.matches, true);
         String text = format("%s  %s  similarity %.2f", run.tools[i].info.name.c_str(), stateName(estimate.state).c_str(), estimate.similarity);
         if (estimate.contourSupport > 0)
             text += format("  outline %.2f", estimate.contourSupport);
         const Point origin(cvRound(10 * scale), cvRound((22 + 22 * (double)i) * scale));
         putText(image, text, origin, FONT_HERSHEY_SIMPLEX, 0.55 * scale, Scalar(0, 0, 0), 3 * thickness, LINE_AA);
-        putText(image, text, origin, FONT_HERSHEY_SIMPLEX, 0.55 * scale, known ? Scalar(120, 255, 120) : Scalar(120, 120, 255), thickness, LINE_AA);
+        putText(image, text, origin, FONT_HERSHEY_SIMPLEX, 0.55 * scale, isKnown(estimate) ? Scalar(120, 255, 120) : Scalar(120, 120, 255), thickness, LINE_AA);
     }
+}
+
+//! before: the estimates of the last frame, none in the first one
+std::vector<common::DebugTool> debugTools(const Run& run, const std::vector<std::vector<double> >& joints, const std::vector<ToolEstimate>& before,
+                                          const std::vector<ToolEstimate>& estimates)
+{
+    std::vector<common::DebugTool> result;
+    for (size_t i = 0; i < run.tools.size(); i++)
+    {
+        const Tool& tool = run.tools[i];
+        const ToolEstimate expected = before.empty() ? ToolEstimate() : before[i];
+        common::DebugTool debug;
+        debug.name = tool.info.name;
+        debug.model = tool.model;
+        debug.known = isKnown(expected);
+        debug.expected_camera_T_base = expected.camera_T_nominal * tool.info.nominal_T_base;
+        debug.expectedJoints = corrected(joints[i], expected);
+        debug.found_camera_T_base = estimates[i].camera_T_nominal * tool.info.nominal_T_base;
+        debug.foundJoints = corrected(joints[i], estimates[i]);
+        result.push_back(debug);
+    }
+    return result;
 }
 
 //! Names of the further columns of the poses file.
@@ -205,6 +207,7 @@ void prepare(const Options& options, Run& run)
     run.frames = run.skipped = 0;
     run.seconds = 0;
     run.timeOffset = options.timeOffset;
+    run.renderer = MeshRenderer::createSoftware();
     String folder = options.sequence;
     if (folder.empty())
     {
@@ -311,16 +314,24 @@ void track(const Options& options, Run& run)
     Ptr<PoseWriter> writer;
     if (!options.poses.empty())
         writer = PoseWriter::create(options.poses, columns(run));
-    Ptr<Overlay> overlay;
+    Ptr<common::TimingsWriter> timings;
+    if (!options.timings.empty())
+        timings = makePtr<common::TimingsWriter>(options.timings);
+    Ptr<common::Overlay> overlay;
     if (!options.video.empty())
-        overlay = makePtr<Overlay>(options.video, run.sequence->fps(), run.sequence->leftCamera().imageSize());
+        overlay = makePtr<common::Overlay>(options.video, run.sequence->fps(), run.sequence->leftCamera().imageSize());
+
+    Ptr<common::DebugPictures> debug;
+    if (!options.debug.empty())
+        debug = makePtr<common::DebugPictures>(options.debug, run.sequence->leftCamera(), options.method);
+    common::FrameChoice debugFrames(options.debugFrames, options.start);
 
     const int remaining = std::max(0, reader.count() - options.start);
     common::Progress progress(options.frames > 0 ? std::min(options.frames, remaining) : remaining, options.quiet);
     const int64 startTick = getTickCount();
     Mat image, right;
     std::vector<std::vector<double> > joints, nextJoints;
-    std::vector<ToolEstimate> estimates;
+    std::vector<ToolEstimate> estimates, before;
     for (int frame = options.start; options.frames == 0 || frame < options.start + options.frames; frame++)
     {
         if (!reader.read(image, right))
@@ -336,7 +347,12 @@ void track(const Options& options, Run& run)
         {
             if (options.renderAhead && readJoints(run, frame + 1, nextJoints) < 0)
                 run.tracker->renderAhead(nextJoints);
+            before = estimates;
             trackFrame(run, frame, image, right, joints, estimates);
+            if (timings)
+                timings->write(frame, frame / run.sequence->fps(), run.tracker->getTimings());
+            if (debug && debugFrames.wants(frame))
+                debug->write(frame, image, debugTools(run, joints, before, estimates));
         }
         record(run, frame, estimates, writer.get());
         if (overlay)
@@ -349,6 +365,8 @@ void track(const Options& options, Run& run)
     }
     if (overlay)
         overlay->finish();
+    if (debug && run.frames > run.skipped)
+        debugFrames.check();
     if (run.frames == 0)
         fail(run.sequence->leftVideo() + ": has no frames");
     if (run.skipped == run.frames)
@@ -404,9 +422,9 @@ int main(int argc, char** argv)
     common::silenceLibraries();
     try
     {
-        const char* const options[] = { "sequence", "poses", "video", "method", "start", "frames", "time-offset" };
+        const char* const options[] = { "sequence", "poses", "video", "method", "start", "frames", "time-offset", "timings", "debug", "debug-frames" };
         const char* const flags[] = { "help", "stereo", "render-ahead", "quiet" };
-        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 7), std::vector<std::string>(flags, flags + 4));
+        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 10), std::vector<std::string>(flags, flags + 4));
         CommandLineParser parser(argc, argv, KEYS);
         parser.about("Tracks the tools of a recorded sequence by their CAD models and joint readings.");
         if (parser.has("help"))

@@ -186,6 +186,10 @@ def corrected(joints, estimate):
     return np.array(joints) + np.array(estimate.jointOffsets)
 
 
+def isKnown(estimate):
+    return estimate.state in (st.STATE_TRACKING, st.STATE_COASTING)
+
+
 class Run:
     def __init__(self, args):
         folder = args.sequence
@@ -211,6 +215,7 @@ class Run:
                 models[info.model] = st.ToolModel.load(info.model)
             self.tracker.addTool(models[info.model], info.nominal_T_base)
             self.tools.append(Tool(info, models[info.model]))
+        self.renderer = st.MeshRenderer.createSoftware()    # of the overlay
         self.scorer = st.PoseScorer.create(self.sequence.leftCamera(), len(self.tools)) if self.sequence.hasGroundTruth() else None
         self.timings, self.frames, self.skipped, self.seconds = [], 0, 0, 0.   # skipped: of the frames, those without joint readings
         self.time_offset = self.find_time_offset(args.quiet) if args.time_offset is None else args.time_offset
@@ -300,24 +305,21 @@ class Run:
     def draw(self, image, joints, estimates):
         camera, scale = self.sequence.leftCamera(), image.shape[1] / 720.
         thickness = max(1, int(round(scale)))
+        nominal, found = [], []
+        for tool, e, readings in zip(self.tools, estimates, joints):
+            nominal.append(st.DrawnTool(tool.model, readings, tool.info.nominal_T_base, (0, 0, 255), 0.))
+            if isKnown(e):
+                found.append(st.DrawnTool(tool.model, corrected(readings, e), e.camera_T_nominal.dot(tool.info.nominal_T_base)))
+        st.drawTools(image, camera, found, self.renderer)
+        st.drawTools(image, camera, nominal, self.renderer)
         for i, (tool, e) in enumerate(zip(self.tools, estimates)):
-            known = e.state in (st.STATE_TRACKING, st.STATE_COASTING)
-            st.drawSkeleton(image, camera, tool.model, joints[i], tool.info.nominal_T_base, (0, 0, 255))
-            if known:
-                camera_T_base = e.camera_T_nominal.dot(tool.info.nominal_T_base)
-                st.drawSkeleton(image, camera, tool.model, corrected(joints[i], e), camera_T_base, (0, 255, 0))
-            parts = len(tool.model.keypointNames())
-            for match in e.matches:
-                hsv = np.uint8([[[179 * match.part // parts, 255, 255]]])
-                point = tuple(int(round(c)) for c in match.imagePoint)
-                cv.circle(image, point, int(4 * scale), cv.cvtColor(hsv, cv.COLOR_HSV2BGR)[0, 0].tolist(), cv.FILLED, cv.LINE_AA)
-                cv.circle(image, point, int(4 * scale), (0, 0, 0), thickness, cv.LINE_AA)
+            st.drawMatches(image, e.matches, True)
             text = '%s  %s  similarity %.2f' % (tool.info.name, st.stateName(e.state), e.similarity)
             if e.contourSupport > 0:
                 text += '  outline %.2f' % e.contourSupport
             origin = (int(10 * scale), int((22 + 22 * i) * scale))
             cv.putText(image, text, origin, cv.FONT_HERSHEY_SIMPLEX, 0.55 * scale, (0, 0, 0), 3 * thickness, cv.LINE_AA)
-            color = (120, 255, 120) if known else (120, 120, 255)
+            color = (120, 255, 120) if isKnown(e) else (120, 120, 255)
             cv.putText(image, text, origin, cv.FONT_HERSHEY_SIMPLEX, 0.55 * scale, color, thickness, cv.LINE_AA)
 
     def print_summary(self):

@@ -89,6 +89,7 @@ public:
     }
 
     bool verify(const std::vector<PartMatch>& matches, std::vector<PartMatch>& inliers) CV_OVERRIDE;
+    std::vector<PartMatch> sample() const CV_OVERRIDE { return result_.empty() ? std::vector<PartMatch>() : std::vector<PartMatch>(sample_, sample_ + 2); }
 
 private:
     bool sameZone(const PolarGrid& drawing, const PolarGrid& image, const PartMatch& m) const;
@@ -99,6 +100,7 @@ private:
     std::vector<int> agreeing_, best_;
     std::vector<uchar> taken_;
     std::vector<PartMatch> result_;
+    PartMatch sample_[2];
 };
 
 bool GeometricContextVerifierImpl::sameZone(const PolarGrid& drawing, const PolarGrid& image, const PartMatch& m) const
@@ -179,6 +181,7 @@ bool GeometricContextVerifierImpl::verify(const std::vector<PartMatch>& matches,
     if (found)
     {
         for (size_t i = 0; i < best_.size(); i++) result_.push_back(matches[best_[i]]);
+        std::copy(result_.begin(), result_.begin() + 2, sample_);
         std::sort(result_.begin(), result_.end(), byPart);
     }
     inliers.assign(result_.begin(), result_.end());   // at the end: they may be the matches themselves

@@ -31,24 +31,26 @@ void checkRendering(const CameraModel& camera, const Rect& window, const std::ve
     }
 }
 
+int MeshRenderer::addTool(const Ptr<ToolModel>& tool)
+{
+    CV_Assert(tool);
+    for (size_t i = 0; i < tools_.size(); i++)
+        if (tools_[i].first == tool) return tools_[i].second;
+    int firstMesh = -1;
+    for (size_t i = 0; i < tool->meshes().size(); i++)
+    {
+        const int handle = addMesh(tool->meshes()[i]);
+        if (i == 0) firstMesh = handle;
+    }
+    tools_.push_back(std::make_pair(tool, firstMesh));
+    return firstMesh;
+}
+
 void MeshRenderer::renderTool(const Ptr<ToolModel>& tool, InputArray joints, const Matx44d& camera_T_base, const CameraModel& camera,
                               OutputArray depth, OutputArray ids, OutputArray shading)
 {
-    CV_Assert(tool);
     if (!isRigid(camera_T_base)) CV_Error(Error::StsBadArg, "camera_T_base must be a rigid transform");
-    int firstMesh = -1;
-    for (size_t i = 0; i < tools_.size(); i++)
-        if (tools_[i].first == tool) firstMesh = tools_[i].second;
-    if (firstMesh < 0)
-    {
-        for (size_t i = 0; i < tool->meshes().size(); i++)
-        {
-            const int handle = addMesh(tool->meshes()[i]);
-            if (i == 0) firstMesh = handle;
-        }
-        tools_.push_back(std::make_pair(tool, firstMesh));
-    }
-
+    const int firstMesh = addTool(tool);
     std::vector<Matx44d> base_T_link;
     tool->forwardKinematics(joints, base_T_link);
     std::vector<MeshInstance> instances;

@@ -2,19 +2,17 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
+#include "vtk_mesh.hpp"
 #include "vtk_window.hpp"
 
 #include <vtkActor.h>
 #include <vtkCamera.h>
-#include <vtkCellArray.h>
 #include <vtkCullerCollection.h>
 #include <vtkFloatArray.h>
 #include <vtkMatrix4x4.h>
 #include <vtkNew.h>
 #include <vtkOpenGLPolyDataMapper.h>
 #include <vtkOpenGLVertexBufferObject.h>
-#include <vtkPointData.h>
-#include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
@@ -143,44 +141,17 @@ VTKRenderer::~VTKRenderer()
 
 int VTKRenderer::addMesh(const Mesh& mesh)
 {
-    CV_CheckEQ(mesh.normals.size(), mesh.vertices.size(), "a mesh needs one normal per vertex");
-    if (mesh.triangles.empty()) CV_Error(Error::StsBadArg, "mesh has no triangles");
-    if (!checkRange(mesh.vertices) || !checkRange(mesh.normals)) CV_Error(Error::StsBadArg, "mesh has a vertex or normal that is not finite");
-
-    vtkNew<vtkPoints> points;
-    points->SetDataTypeToFloat();
-    points->SetNumberOfPoints(vtkIdType(mesh.vertices.size()));
-    vtkNew<vtkFloatArray> normals;
-    normals->SetNumberOfComponents(3);
-    normals->SetNumberOfTuples(vtkIdType(mesh.vertices.size()));
     VTKMesh m;
+    m.data = toPolyData(mesh);
     m.used = 0;
     m.lo = Point3d(DBL_MAX, DBL_MAX, DBL_MAX);
     m.hi = -m.lo;
     for (size_t i = 0; i < mesh.vertices.size(); i++)
     {
         const Point3f& p = mesh.vertices[i];
-        points->SetPoint(vtkIdType(i), p.x, p.y, p.z);
-        normals->SetTuple3(vtkIdType(i), mesh.normals[i].x, mesh.normals[i].y, mesh.normals[i].z);
         m.lo = Point3d(std::min<double>(m.lo.x, p.x), std::min<double>(m.lo.y, p.y), std::min<double>(m.lo.z, p.z));
         m.hi = Point3d(std::max<double>(m.hi.x, p.x), std::max<double>(m.hi.y, p.y), std::max<double>(m.hi.z, p.z));
     }
-    vtkNew<vtkCellArray> triangles;
-    for (size_t i = 0; i < mesh.triangles.size(); i++)
-    {
-        vtkIdType ids[3];
-        for (int j = 0; j < 3; j++)
-        {
-            ids[j] = mesh.triangles[i][j];
-            CV_CheckGE(int(ids[j]), 0, "triangle refers to a vertex that does not exist");
-            CV_CheckLT((size_t)ids[j], mesh.vertices.size(), "triangle refers to a vertex that does not exist");
-        }
-        triangles->InsertNextCell(3, ids);
-    }
-    m.data = vtkSmartPointer<vtkPolyData>::New();
-    m.data->SetPoints(points);
-    m.data->GetPointData()->SetNormals(normals);
-    m.data->SetPolys(triangles);
     meshes_.push_back(m);
     return int(meshes_.size()) - 1;
 }

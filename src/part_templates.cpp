@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "box_window.hpp"
 #include "qgo.hpp"
 
 namespace cv { namespace surgtrack {
@@ -71,7 +72,7 @@ private:
         Ptr<ToolModel> model;
         int firstMesh;
         std::vector<uchar> isTip;   // a keypoint: on a link that carries no other
-        std::vector<Point3f> low, high;   // of the vertices of each mesh
+        std::vector<MeshBox> boxes;
     };
 
     Rect toolWindow(const CameraModel& camera, const Rect2d& field, int tool) const;
@@ -118,18 +119,7 @@ int PartTemplateRendererImpl::addTool(const Ptr<ToolModel>& model)
             if (model->links()[j].parent == keypoints[i].link) tip = 0;
         tool.isTip.push_back(tip);
     }
-    for (size_t i = 0; i < model->meshes().size(); i++)
-    {
-        const std::vector<Point3f>& vertices = model->meshes()[i].vertices;
-        Point3f low = vertices[0], high = low;
-        for (size_t j = 1; j < vertices.size(); j++)
-        {
-            low = Point3f(std::min(low.x, vertices[j].x), std::min(low.y, vertices[j].y), std::min(low.z, vertices[j].z));
-            high = Point3f(std::max(high.x, vertices[j].x), std::max(high.y, vertices[j].y), std::max(high.z, vertices[j].z));
-        }
-        tool.low.push_back(low);
-        tool.high.push_back(high);
-    }
+    for (size_t i = 0; i < model->meshes().size(); i++) tool.boxes.push_back(boxAbout(model->meshes()[i]));
     tools_.push_back(tool);
     return int(tools_.size()) - 1;
 }
@@ -137,50 +127,11 @@ int PartTemplateRendererImpl::addTool(const Ptr<ToolModel>& model)
 // A window of the image that holds all that is seen of a tool: of the boxes about its meshes.
 Rect PartTemplateRendererImpl::toolWindow(const CameraModel& camera, const Rect2d& field, int index) const
 {
-    const double nearest = 5e-3;   // [m]
     const Tool& tool = tools_[index];
-    double left = DBL_MAX, right = -DBL_MAX, top = DBL_MAX, bottom = -DBL_MAX;
+    BoxWindow window;
     for (size_t i = 0; i < instances_.size(); i++)
-    {
-        if (instances_[i].id != index + 1) continue;
-        const int mesh = instances_[i].mesh - tool.firstMesh;
-        Point3d corners[8];
-        for (int c = 0; c < 8; c++)
-            corners[c] = transform(instances_[i].camera_T_mesh, Point3d(c & 1 ? tool.high[mesh].x : tool.low[mesh].x,
-                                                                        c & 2 ? tool.high[mesh].y : tool.low[mesh].y,
-                                                                        c & 4 ? tool.high[mesh].z : tool.low[mesh].z));
-        for (int c = 0; c < 8; c++)
-            for (int axis = 1; axis < 8; axis *= 2)
-            {
-                if (c & axis) continue;
-                Point3d p = corners[c], q = corners[c | axis];
-                if (p.z < nearest && q.z < nearest) continue;
-                if (p.z < nearest) p = p + (q - p) * ((nearest - p.z) / (q.z - p.z));
-                if (q.z < nearest) q = q + (p - q) * ((nearest - q.z) / (p.z - q.z));
-                left = std::min(left, std::min(p.x / p.z, q.x / q.z));
-                right = std::max(right, std::max(p.x / p.z, q.x / q.z));
-                top = std::min(top, std::min(p.y / p.z, q.y / q.z));
-                bottom = std::max(bottom, std::max(p.y / p.z, q.y / q.z));
-            }
-    }
-    left = std::max(left, field.x);
-    right = std::min(right, field.x + field.width);
-    top = std::max(top, field.y);
-    bottom = std::min(bottom, field.y + field.height);
-    if (!(left < right && top < bottom)) return Rect();
-    double x0 = DBL_MAX, x1 = -DBL_MAX, y0 = DBL_MAX, y1 = -DBL_MAX;
-    const int samples = 8;   // of a border, which a lens bends
-    for (int i = 0; i <= samples; i++)
-        for (int side = 0; side < 4; side++)
-        {
-            const double s = double(i) / samples, x = left + (right - left) * s, y = top + (bottom - top) * s;
-            const Point2d p = camera.project(side == 0 ? Point3d(x, top, 1) : side == 1 ? Point3d(x, bottom, 1) : side == 2 ? Point3d(left, y, 1) : Point3d(right, y, 1));
-            x0 = std::min(x0, p.x);
-            x1 = std::max(x1, p.x);
-            y0 = std::min(y0, p.y);
-            y1 = std::max(y1, p.y);
-        }
-    return Rect(Point(cvFloor(x0) - 3, cvFloor(y0) - 3), Point(cvCeil(x1) + 4, cvCeil(y1) + 4)) & Rect(Point(), camera.imageSize());
+        if (instances_[i].id == index + 1) window.add(instances_[i].camera_T_mesh, tool.boxes[instances_[i].mesh - tool.firstMesh]);
+    return window.get(camera, field);
 }
 
 // All meshes of all tools, the wanted one moved; a tool's number plus one is the id of its meshes.

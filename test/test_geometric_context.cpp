@@ -166,6 +166,32 @@ TEST(SurgTrack_GeometricContext, aPartHasAtMostOneInlierAndInliersAreMatches)
         }
 }
 
+TEST(SurgTrack_GeometricContext, tellsTheSampleThatTheInliersAgreeWith)
+{
+    const Verifier::Params params;
+    const Ptr<Verifier> verifier = Verifier::create(params);
+    for (int seed = 0; seed < 20; seed++)
+    {
+        const Candidates c = mixture(seed);
+        std::vector<PartMatch> inliers;
+        ASSERT_TRUE(verifier->verify(c.matches, inliers));
+        const std::vector<PartMatch> sample = verifier->sample();
+        ASSERT_EQ(size_t(2), sample.size());
+        int members = 0;
+        for (const PartMatch& m : inliers)
+        {
+            for (const PartMatch& s : sample) members += m.part == s.part && m.imagePoint == s.imagePoint;
+            // The zone of each: the same distance from the centre in both grids.
+            const double drawn = cv::norm(m.predictedPoint - sample[0].predictedPoint), seen = cv::norm(m.imagePoint - sample[0].imagePoint);
+            if (m.part != sample[1].part) EXPECT_LE(std::abs(drawn - seen), params.zoneRadius / 2);
+        }
+        EXPECT_EQ(2, members);
+    }
+    std::vector<PartMatch> inliers;
+    EXPECT_FALSE(verifier->verify(std::vector<PartMatch>(), inliers));
+    EXPECT_TRUE(verifier->sample().empty());
+}
+
 TEST(SurgTrack_GeometricContext, matchesThatDoNotAgreeGiveNothing)
 {
     // A mirrored arrangement, which no turn or scale makes.

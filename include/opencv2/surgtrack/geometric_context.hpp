@@ -41,6 +41,10 @@ public:
     @param inliers those that agree, at most one a part, sorted by part; empty after false
     @return whether at least Params::minInliers agree */
     CV_WRAP virtual bool verify(const std::vector<PartMatch>& matches, CV_OUT std::vector<PartMatch>& inliers) = 0;
+
+    /** @brief The two matches that span the grids the inliers of the last verify() agree in: the centre, and a point on the axis.
+    Empty after false. */
+    CV_WRAP virtual std::vector<PartMatch> sample() const = 0;
 };
 
 //! @}

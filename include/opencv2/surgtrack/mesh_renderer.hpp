@@ -65,8 +65,12 @@ public:
     virtual void render(const CameraModel& camera, const Rect& window, const std::vector<MeshInstance>& instances, Rendering& rendering,
                         const std::vector<Rect>& regions = std::vector<Rect>()) = 0;
 
+    /** @brief Makes all meshes of a tool known, one after the other; those of a tool that is known already are not added again.
+    @return the handle of the first one */
+    int addTool(const Ptr<ToolModel>& tool);
+
     /** @brief Draws one tool into a whole image.
-    @param tool its meshes are added on the first call
+    @param tool addTool() is called for it
     @param joints one value per coordinate of the tool [rad or m]
     @param camera_T_base the arm's base in the camera frame
     @param camera intrinsics and distortion

@@ -396,6 +396,64 @@ class surgtrack_test(NewOpenCVTests):
         st.drawSkeleton(image, scene.camera(), scene.model(), joints, scene.camera_T_base(0), (0, 255, 0))
         self.assertGreater(np.count_nonzero(image != before), 100)
 
+    def test_draws_tools_over_an_image(self):
+        renderer = st.MeshRenderer.createSoftware()
+        ids = renderer.renderTool(self.model, self.joints, self.camera_T_base(), self.camera)[1]
+        image = np.full((576, 720, 3), 200, np.uint8)
+        drawn = st.drawTool(image.copy(), self.camera, self.model, self.joints, self.camera_T_base(), (0, 0, 255), 1., renderer)
+        np.testing.assert_array_equal((drawn != image).any(axis=2), ids > 0)
+        tool = st.DrawnTool(self.model, self.joints, self.camera_T_base(), (0, 0, 255), 1.)
+        np.testing.assert_array_equal(st.drawTools(image.copy(), self.camera, [tool], renderer), drawn)
+        tool.opacity = 2
+        self.assertEqual(tool.opacity, 2)
+        with self.assertRaises(cv.error):
+            st.drawTools(image, self.camera, [tool])
+        with self.assertRaises(cv.error):
+            st.drawTools(image, self.camera, [st.DrawnTool()])
+
+    def test_draws_what_the_stages_see(self):
+        renderer = st.PartTemplateRenderer.create()
+        renderer.addTool(self.model)
+        templates = renderer.renderTool(self.camera, self.camera_T_base(), self.joints)
+        view = np.full((576, 720, 3), 80, np.uint8)
+        st.drawTools(view, self.camera, [st.DrawnTool(self.model, self.joints, self.camera_T_base(), (255, 255, 255), 1.)], None, 0)
+        orientations = st.quantizeOrientations(view)
+        picture = st.drawOrientations(np.zeros_like(view), orientations)
+        np.testing.assert_array_equal(picture.any(axis=2), orientations > 0)
+        self.assertTrue(st.drawOrientationLegend(np.zeros_like(view), (100, 100), 50)[100, 130].any())
+        self.assertEqual(len({st.orientationColor(i) for i in range(8)}), 8)
+        features = st.drawTemplate(np.zeros_like(view), templates[0], templates[0].anchor)
+        self.assertEqual(np.count_nonzero(features.any(axis=2)), len(templates[0].getFeatures()))
+        matcher, verifier = st.QGOMatcher.create(), st.GeometricContextVerifier.create()
+        matcher.setImage(view)
+        window = (templates[0].anchor[0] - 20, templates[0].anchor[1] - 20, 41, 41)
+        self.assertEqual(st.drawSimilarity(matcher.similarityMap(templates[0], window), templates[0]).shape, (41, 41, 3))
+        matches = matcher.match(templates, [])
+        found, inliers = verifier.verify(matches)
+        self.assertTrue(found)
+        self.assertEqual(len(verifier.sample()), 2)
+        for drawn in (st.drawMatches(view.copy(), matches), st.drawGeometricContext(view.copy(), matches, inliers, verifier.sample(), True)):
+            self.assertGreater(np.count_nonzero(drawn != view), 1000)
+        points = st.ToolContour.create(self.model).sampleTool(self.camera, self.camera_T_base(), self.joints)
+        count, points = st.matchContour(view, points, st.ContourSearch())
+        self.assertGreater(count, 0.8 * len(points))   # an image of nothing but the tool
+        self.assertGreater(np.count_nonzero(st.drawContour(view.copy(), points) != view), 1000)
+
+    def test_scene_view(self):
+        try:
+            scene = st.SceneView.create(self.camera, (320, 240))
+        except cv.error as error:
+            self.skipTest(error.err)
+        scene.setViewpoint((0.1, -0.1, -0.1), (0, 0, 0.08))
+        tool = st.DrawnTool(self.model, self.joints, self.camera_T_base(), (0, 0, 255), 1.)
+        path = np.array([[0, 0, 0.05], [0.01, 0, 0.1]])
+        picture = scene.draw(np.zeros((576, 720, 3), np.uint8), [tool], [path])
+        self.assertEqual(picture.shape, (240, 320, 3))
+        red = (picture[:, :, 2] > 60) & (picture[:, :, 0] < 40) & (picture[:, :, 1] < 40)
+        self.assertGreater(np.count_nonzero(red), 200)
+        with self.assertRaises(cv.error):
+            scene.show()
+
     def test_full_method_tracks_with_both_eyes(self):
         scene = self.scene(imageSize=(720, 576), frames=25, stereo=True)
         params = st.ToolTracker.Params()
