@@ -224,18 +224,8 @@ for r in read("worst.csv"):
 PYTHON
 }
 
-# evaluation_same A B: two evaluations, but for what depends on the speed of the machine.
-evaluation_same() {
-  local file name
-  for file in "$1"/*.csv "$1"/worst_*.png; do
-    name="$(basename "$file")"
-    if [[ "$name" == table.csv ]]; then
-      cmp <(cut -d, -f1-11 "$file") <(cut -d, -f1-11 "$2/$name") || return 1
-    else
-      cmp "$file" "$2/$name" || return 1
-    fi
-  done
-}
+# evaluation_same A B: two evaluations, byte for byte, but for what depends on the speed of the machine.
+evaluation_same() { diff -r -x results -x timings.csv "$1" "$2"; }
 
 # pictures_there DIR: all that report.md shows.
 pictures_there() {
@@ -279,6 +269,96 @@ run_evaluation() {
   sample "refused: plots without a file" refuses "$work/evaluation2/detection.csv" "${plot[@]}" "$work/evaluation2"
   sed -i 's/rotation_std_rad/r/' "$work/evaluation2/table.csv"
   sample "refused: plots without a column" refuses "'rotation_std_rad'" "${plot[@]}" "$work/evaluation2"
+}
+
+# lose_a_worker OUT LOG COMMAND...: evaluates with two Dask workers, one of which is ended when there is a first result in OUT.
+lose_a_worker() {
+  local out="$1" log="$2" code=0 pids=() i address='' dask=(env "PYTHONPATH=$REPO/samples" PYTHONDONTWRITEBYTECODE=1 "$PYTHON" -m)
+  shift 2
+  rm -f "$out.json"
+  "${dask[@]}" distributed.cli.dask_scheduler --host 127.0.0.1 --port 0 --no-dashboard --scheduler-file "$out.json" >"$log" 2>&1 &
+  pids+=($!)
+  for i in 1 2; do   # without a nanny, which would start a new one
+    "${dask[@]}" distributed.cli.dask_worker --scheduler-file "$out.json" --name "$i" --nthreads 1 --no-nanny --no-dashboard \
+      --local-directory "$out.dask" >>"$log" 2>&1 &
+    pids+=($!)
+  done
+  for ((i = 0; i < 600 && $(occurrences 'Registered to' "$log") < 2; i++)); do sleep 0.1; done
+  address="$(sed -nE 's/.*"address": "(tcp:[^"]*)".*/\1/p' "$out.json" | head -n 1)"
+  limited "$@" --scheduler="$address" --out="$out" &
+  local client=$!
+  for ((i = 0; i < 600; i++)); do
+    [[ -z "$(find "$out/results" -name '[!p]*.yml.gz' 2>/dev/null)" ]] || break
+    sleep 0.1
+  done
+  local results
+  results="$(find "$out/results" -name '[!p]*.yml.gz' | wc -l)"
+  kill -9 "${pids[2]}"
+  wait "$client" || code=$?
+  kill "${pids[0]}" "${pids[1]}" 2>/dev/null || true
+  wait "${pids[@]}" 2>/dev/null || true
+  if ((results > 2)); then
+    echo "the worker was not ended in the middle: there were $results results already"
+    return 1
+  fi
+  return "$code"
+}
+
+# kept DIR COMMAND...: the command leaves the results in DIR as they are.
+kept() {
+  local before after
+  before="$(stat -c '%n %y %s' "$1"/results/*.yml.gz)"
+  "${@:2}" || return 1
+  after="$(stat -c '%n %y %s' "$1"/results/*.yml.gz)"
+  [[ "$before" == "$after" ]] || { echo "before: $before; after: $after"; return 1; }
+}
+
+# The first two sequences are those of run_evaluation, the third one can't be evaluated.
+run_cluster() {
+  local work="$1" evaluate="$BUILD_DIR/bin/example_surgtrack_evaluate" make="$BUILD_DIR/bin/example_surgtrack_make_sequence" i
+  local python=(env PYTHONDONTWRITEBYTECODE=1 "$PYTHON") options
+  mkdir -p "$work/many/deeper"
+  cp -r "$work/stereo" "$work/pair" "$work/many"
+  for i in 1 2; do
+    sample "make_sequence, number $i" limited "$make" --out="$work/many/deeper/$i" --frames=8 --seed="$i"
+  done
+  options=(--sequences="$work/many" --stereo --quiet)
+  sample "evaluate, a folder of sequences" limited "$evaluate" "${options[@]}" --out="$work/one"
+  sample "all of them" grep -q '^| all | full | 40 |' "$work/one/table.md"   # 8 frames of five tools
+  sample "evaluate, again" kept "$work/one" limited "$evaluate" "${options[@]}" --out="$work/one"
+  sample "evaluate.py, two processes" limited "${python[@]}" "$REPO/samples/evaluate.py" "${options[@]}" --jobs=2 \
+    --program="$evaluate" --out="$work/processes"
+  sample "the same files" evaluation_same "$work/one" "$work/processes"
+  rm "$work"/processes/results/1-*.yml.gz
+  rm "$work"/processes/*.csv
+  sample "evaluate.py, after an interruption" limited "${python[@]}" "$REPO/samples/evaluate.py" "${options[@]}" \
+    --program="$evaluate" --out="$work/processes"
+  sample "the same files" evaluation_same "$work/one" "$work/processes"
+  sample "evaluate.py, again" kept "$work/processes" limited "${python[@]}" "$REPO/samples/evaluate.py" "${options[@]}" \
+    --program="$evaluate" --out="$work/processes"
+  echo >>"$work/many/pair/kinematics.csv"
+  echo "0" >>"$work/many/pair/kinematics.csv"
+  sample "refused: a file has changed, and no result of before is taken" refuses "$work/many/pair/kinematics.csv" "$evaluate" \
+    "${options[@]}" --out="$work/one"
+  sample "refused: the same in Python" refuses "$work/many/pair/kinematics.csv" "${python[@]}" "$REPO/samples/evaluate.py" \
+    "${options[@]}" --program="$evaluate" --out="$work/processes"
+  sample "the same files of the others" evaluation_same "$work/one" "$work/processes"
+  sample "refused: nothing to merge" refuses "has no result" "$evaluate" --sequences="$work/stereo" --out="$work/never" --merge
+  sample "refused: part and merge" refuses "'--part'" "$evaluate" --sequences="$work/stereo" --out="$work/never" --merge --part
+  sample "refused: no such method, in Python" refuses "'none'" "${python[@]}" "$REPO/samples/evaluate.py" --sequences="$work/many" \
+    --program="$evaluate" --out="$work/never" --methods=none
+  sample "refused: no such program" refuses "$work/none" "${python[@]}" "$REPO/samples/evaluate.py" --sequences="$work/many" \
+    --program="$work/none" --out="$work/never"
+  if ! "$PYTHON" -c 'import distributed' 2>/dev/null; then
+    echo "skipped: evaluate_cluster.py, which needs dask.distributed"
+    return 0
+  fi
+  local cluster=("${python[@]}" "$REPO/samples/evaluate_cluster.py" "${options[@]}" --program="$evaluate")
+  sample "refused: no scheduler" refuses "tcp://127.0.0.1:9" "${cluster[@]}" --scheduler=tcp://127.0.0.1:9 --out="$work/cluster"
+  cp "$work/pair/kinematics.csv" "$work/many/pair/kinematics.csv"
+  sample "evaluate, all of them once more" limited "$evaluate" "${options[@]}" --out="$work/one"
+  sample "evaluate_cluster.py, one of two workers is lost" lose_a_worker "$work/cluster" "$LOGS/dask.log" "${cluster[@]}"
+  sample "the same files" evaluation_same "$work/one" "$work/cluster"
 }
 
 # The sequence of two eyes is that of run_evaluation: 8 frames.
@@ -350,6 +430,7 @@ run_samples() {
   sample "plot_performance.py" "$PYTHON" "$REPO/samples/plot_performance.py" "$LOGS/perf.xml" --markdown="$work/performance.md"
   sample "its table" grep -q 'Tools Tracker update' "$work/performance.md"
   run_evaluation "$work"
+  run_cluster "$work"
   run_stereo "$work"
   sample "refused: no such sequence" refuses "$work/none" "$track" --sequence="$work/none"
   sample "refused: no such method" refuses method "$track" --sequence="$work/sequence" --method=none

@@ -125,9 +125,20 @@ void evaluateSequence(const Options& options, const Data& data, Result& result)
     result.detection = detection.run(options.frames, options.quiet);
 }
 
+//! Those of an earlier evaluation, whose sequences may have had other labels.
+void removeFiles(const String& folder, const String& pattern)
+{
+    std::vector<String> files;
+    utils::fs::glob(folder, pattern, files);
+    for (size_t i = 0; i < files.size(); i++)
+        std::remove(files[i].c_str());
+}
+
 void writeAll(const Options& options, const Results& results, const std::vector<std::string>& failures)
 {
     const String& out = options.out;
+    removeFiles(out, "frames_*.csv");
+    removeFiles(out, "worst_*.png");
     writeScores(utils::fs::join(out, "table.csv"), results);
     TextFile table(utils::fs::join(out, "table.md"));
     table << scoreTable(results);
