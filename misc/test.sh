@@ -361,6 +361,41 @@ run_cluster() {
   sample "the same files" evaluation_same "$work/one" "$work/cluster"
 }
 
+# The stubs, and a user's program that type checkers have to accept but for one line.
+run_python_docs() {
+  local work="$1" name
+  sample "make_stubs.py: the stubs are up to date" python_cv2 "$REPO/misc/python/make_stubs.py" --check
+  if "$PYTHON" -c 'import mypy' 2>/dev/null; then
+    sample "mypy: the stubs" env "MYPYPATH=$REPO/misc/python/stubs" "$PYTHON" -m mypy --strict --cache-dir="$work/mypy" \
+      "$REPO/misc/python/stubs/cv2/surgtrack.pyi"
+    sample "mypy: a user's program" env "MYPYPATH=$REPO/misc/python/stubs" "$PYTHON" -m mypy --strict --cache-dir="$work/mypy" \
+      "$REPO/misc/python/test/typed_user.py"
+    sed 's/tracker.addTool(model/tracker.addTool(model.name()/' "$REPO/misc/python/test/typed_user.py" >"$work/wrong_user.py"
+    sample "mypy: a wrong one" mypy_refuses 'Argument 1 to "addTool"' "$work" "$work/wrong_user.py"
+  else
+    echo "skipped: the type stubs, which need mypy to be checked"
+  fi
+  sample "the user's program" python_cv2 "$REPO/misc/python/test/typed_user.py"
+  if "$PYTHON" -c 'import matplotlib' 2>/dev/null; then
+    sample "run_doc.py doc/python.md" limited env PYTHONDONTWRITEBYTECODE=1 "PYTHONPATH=$BUILD_DIR/python_loader" "$PYTHON" \
+      "$REPO/misc/run_doc.py" "$REPO/doc/python.md" --folder="$work/python"
+    while read -r name; do
+      sample "its picture $name" test -s "$work/python/$name" -a -s "$REPO/doc/pics/$name"
+    done < <(sed -nE 's/^!\[.*\]\(pics\/(.*)\)$/\1/p' "$REPO/doc/python.md")
+  else
+    echo "skipped: doc/python.md, which needs matplotlib"
+  fi
+  printf '# A page\n\n```python\na = 1\n```\ntext\n```python\nb = a.c\n```\n' >"$work/page.md"
+  sample "refused: an error in a page" refuses "page.md, line 8" "$PYTHON" "$REPO/misc/run_doc.py" "$work/page.md" --folder="$work"
+}
+
+# mypy_refuses MESSAGE FOLDER FILE
+mypy_refuses() {
+  local code=0
+  env "MYPYPATH=$REPO/misc/python/stubs" "$PYTHON" -m mypy --strict --cache-dir="$2/mypy" "$3" >"$LOGS/mypy.log" 2>&1 || code=$?
+  grep -q -F -e "$1" "$LOGS/mypy.log" && [[ $code -eq 1 ]]
+}
+
 # The sequence of two eyes is that of run_evaluation: 8 frames.
 run_stereo() {
   local work="$1" track="$BUILD_DIR/bin/example_surgtrack_track_sequence" make="$BUILD_DIR/bin/example_surgtrack_make_sequence"
@@ -431,6 +466,7 @@ run_samples() {
   sample "its table" grep -q 'Tools Tracker update' "$work/performance.md"
   run_evaluation "$work"
   run_cluster "$work"
+  run_python_docs "$work"
   run_stereo "$work"
   sample "refused: no such sequence" refuses "$work/none" "$track" --sequence="$work/none"
   sample "refused: no such method" refuses method "$track" --sequence="$work/sequence" --method=none
