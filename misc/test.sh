@@ -385,6 +385,7 @@ run_python_docs() {
   else
     echo "skipped: doc/python.md, which needs matplotlib"
   fi
+  # shellcheck disable=SC2016
   printf '# A page\n\n```python\na = 1\n```\ntext\n```python\nb = a.c\n```\n' >"$work/page.md"
   sample "refused: an error in a page" refuses "page.md, line 8" "$PYTHON" "$REPO/misc/run_doc.py" "$work/page.md" --folder="$work"
 }

@@ -240,7 +240,7 @@ int evaluate(const char* program, const Options& options)
     if (!results.empty())
     {
         writeAll(options, results, failures);
-        std::printf("%s", scoreTable(results).c_str());
+        std::printf("%s%s", scoreTable(results).c_str(), speedLine(results).c_str());
         std::fflush(stdout);
     }
     return (int)failures.size();

@@ -56,6 +56,8 @@ def find_sequences(folders):
     """The folders of all sequences; as example_surgtrack_evaluate finds them, which keeps one without any to tell what is missing."""
     found = {}
     for folder in folders.split(','):
+        if not folder:
+            raise Failure("argument '--sequences=%s': expected folders separated by commas, none of them empty" % folders)
         paths = [folder]
         if os.path.isdir(folder) and not os.path.exists(os.path.join(folder, 'sequence.yaml')):
             paths = sorted(path for path, _, files in os.walk(folder, followlinks=True) if 'sequence.yaml' in files) or paths

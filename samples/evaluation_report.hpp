@@ -64,6 +64,20 @@ inline std::string scoreTable(const Results& results)
     return text;
 }
 
+//! Frames a second, for the screen.
+inline std::string speedLine(const Results& results)
+{
+    const std::vector<String> methods = methodsOf(results);
+    std::string text;
+    for (size_t i = 0; i < methods.size(); i++)
+    {
+        const Score s = overallScore(results, methods[i]);
+        if (s.seconds > 0)
+            text += (text.empty() ? "\nHz of ToolTracker::update(): " : "; ") + methodTitle(methods[i]) + " " + shown(s.hz(), 0);
+    }
+    return text.empty() ? text : text + "\n";
+}
+
 inline std::string detectionTable(const Results& results)
 {
     std::string text = "| sequence | templates drawn | prior off by [px] | top 1: 5 px | 10 px | 20 px | top 5: 5 px | 10 px | 20 px | samples |\n"
@@ -183,8 +197,8 @@ inline void writeReport(const String& filename, const Results& results, const st
         file << (i == 0 ? "Not evaluated:\n\n" : "") + ("- " + failures[i] + "\n") + (i + 1 == failures.size() ? "\n" : "");
     file << "## Errors\n\nMean \xc2\xb1 standard deviation over the frames with a pose (tracking or coasting). Accuracy: share of all frames "
             "whose mean reprojection error is at most 10 px in an image 720 px wide. Silent: share of all frames that claim to be tracking "
-            "and are more than 5 mm off. Two controls look at no image and give a pose in every frame: `recorded`, joint readings and hand-eye calibration as recorded; "
-            "`frozen`, the true correction of the first frame, kept.\n\n"
+            "and are more than 5 mm off. Two controls look at no image and give a pose in every frame: `recorded`, joint readings and hand-eye "
+            "calibration as recorded; `frozen`, the true correction of the first frame, kept.\n\n"
          << scoreTable(results) << "\n![](table.png)\n\n";
     file << "## Detection of parts\n\nShare of the visible keypoints with a template that have a match within so many pixels (of an image "
             "720 px wide) among the best 1 or 5 of their part.\n\n"

@@ -19,11 +19,14 @@ HEADERS = os.path.join(HERE, '..', '..', 'include', 'opencv2')
 
 ARRAY, DOUBLES = 'NDArray[Any]', 'NDArray[np.float64]'
 INPUTS = {
-    'bool': 'bool', 'int': 'int', 'double': 'float', 'String': 'str', 'void': 'None',
+    'bool': 'bool', 'int': 'int', 'int64': 'int', 'size_t': 'int', 'uchar': 'int', 'double': 'float', 'float': 'float',
+    'String': 'str', 'std::string': 'str', 'void': 'None',
     'InputArray': ARRAY, 'OutputArray': ARRAY, 'InputOutputArray': ARRAY, 'Mat': ARRAY,
-    'Point': 'Tuple[int, int]', 'Point2d': 'Tuple[float, float]', 'Point3d': 'Tuple[float, float, float]', 'Size': 'Tuple[int, int]',
+    'Point': 'Tuple[int, int]', 'Point2f': 'Tuple[float, float]', 'Point2d': 'Tuple[float, float]', 'Size': 'Tuple[int, int]',
+    'Point3f': 'Tuple[float, float, float]', 'Point3d': 'Tuple[float, float, float]', 'Vec3d': 'Tuple[float, float, float]',
     'Rect': 'Tuple[int, int, int, int]', 'Rect2d': 'Tuple[float, float, float, float]', 'Scalar': '_Sequence[float]',
 }
+NUMERIC = re.compile(r'(int|uchar|float|double|Point\w*|Rect\w*|Size|Vec\w+)$')   # a std::vector of these is returned as an array
 HEADER = '''# This file is part of OpenCV project.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution and at http://opencv.org/license.html.
@@ -58,8 +61,8 @@ TOKEN = re.compile(r'''
     | (?P<exported>(?:class|struct)\s+CV_EXPORTS_W\w*\s+(?P<class>\w+)[^;{]*\{)
     | (?P<enum>enum\s+(?P<enum_name>\w+)\s*\{)
     | (?P<property>CV_PROP(?P<rw>_RW)?\s+(?P<type>[^;]+?)\s+(?P<prop>\w+)\s*;)
-    | (?:CV_WRAP|CV_EXPORTS_W)\s+(?P<function>[^;{]*\))\s*(?:const)?\s*(?:=\s*0\s*)?(?=[;{])
-    | (?P<enumerator>\b[A-Z][A-Z0-9_]+\b)\s*(?==)
+    | (?:CV_WRAP|CV_EXPORTS_W|CV_(?:WRAP|EXPORTS)_AS\((?P<alias>\w+)\))\s+(?P<function>[^;{]*\))\s*(?:const)?\s*(?:=\s*0\s*)?(?=[;{])
+    | (?P<enumerator>\b[A-Z][A-Z0-9_]+\b)\s*(?=[=,}])
     | (?P<open>\{) | (?P<close>\}) | (?P<end>;)''', re.DOTALL | re.VERBOSE)
 
 
@@ -130,6 +133,7 @@ def parse(header):
             found.append(Declaration('property', scope, token.group('prop'), clean(doc), type=token.group('type'), writable=bool(token.group('rw'))))
         elif token.group('function'):
             found.append(parse_function(token.group('function'), scope, clean(doc)))
+            found[-1].name = token.group('alias') or found[-1].name
         elif token.group('open'):
             scopes.append(None)
         elif token.group('close') and scopes:
@@ -156,7 +160,9 @@ class Types:
             return DOUBLES
         inner = re.match(r'std::vector<\s*(.*?)\s*>$', cpp)
         if inner and result:
-            return DOUBLES if inner.group(1) == 'double' else 'Tuple[%s, ...]' % self.name(inner.group(1), scope, result)
+            if NUMERIC.match(inner.group(1)):
+                return DOUBLES if inner.group(1) == 'double' else ARRAY
+            return 'Tuple[%s, ...]' % self.name(inner.group(1), scope, result)
         if inner:
             return 'Union[_Sequence[float], %s]' % DOUBLES if inner.group(1) == 'double' else '_Sequence[%s]' % self.name(inner.group(1), scope, result)
         inner = re.match(r'Ptr<\s*(\w+)\s*>$', cpp)
@@ -190,25 +196,22 @@ def native(scope, name):
 def signature(declaration, types):
     """Arguments and result of a function, from the first line of the built module's documentation."""
     scope, arguments = declaration.scope, declaration.arguments
-    text = native(scope, declaration.name).__doc__ or ''
-    for line in text.split('\n'):
-        match = re.match(r'(\w+)\((.*)\) -> (.*)$', line)
-        if match and match.group(1) == declaration.name and set(re.findall(r'\w+', match.group(2) + ' ' + match.group(3))) <= set(arguments) | {'retval', 'None'}:
+    for line in (native(scope, declaration.name).__doc__ or '').split('\n'):
+        match = re.match(r'%s\((.*)\) -> (.*)$' % declaration.name, line)
+        if match and set(re.findall(r'\w+', ' '.join(match.groups()))) - {'retval', 'None'} == set(arguments):
             break
     else:
         raise Failure('cv2.surgtrack.%s: the built module and the headers have other arguments; expected a build of these headers' % declaration.path())
     given = []
-    required = match.group(2).partition('[')[0]
-    for name in re.findall(r'\w+', match.group(2)):
+    required = re.findall(r'\w+', match.group(1).partition('[')[0])
+    for name in re.findall(r'\w+', match.group(1)):
         kind = types.name(arguments[name][0], scope, False)
-        optional = name not in re.findall(r'\w+', required)
+        optional = name not in required
         if optional and (arguments[name][0] == 'OutputArray' or 'Ptr<' in arguments[name][0]):
-            kind = 'Optional[%s]' % kind
-        elif 'Ptr<' in arguments[name][0] and 'Ptr<' in arguments[name][1]:
             kind = 'Optional[%s]' % kind
         given.append('%s: %s%s' % (name, kind, ' = ...' if optional else ''))
     results = [types.name(declaration.returns if name == 'retval' else arguments[name][0], scope, True)
-               for name in re.findall(r'\w+', match.group(3)) if name != 'None']
+               for name in re.findall(r'\w+', match.group(2)) if name != 'None']
     return given, 'None' if not results else results[0] if len(results) == 1 else 'Tuple[%s]' % ', '.join(results)
 
 
@@ -274,9 +277,11 @@ def make():
             lines += write_class(d, declarations, types)
         elif d.kind == 'function':
             lines += write_function(d, types, False) + ['']
+    unknown = ['.'.join(d.scope + [d.name, name]) for d in declarations if d.kind == 'class' for name in vars(native(d.scope, d.name))
+               if not name.startswith('_') and not any(m.scope == d.scope + [d.name] and m.name == name for m in declarations)]
     known = {d.name for d in declarations if not d.scope} | {'_'.join(d.scope + [d.name]) for d in declarations}
     flat = {re.sub(r'(?<=[a-z])(?=[A-Z])', '_', '_'.join(d.scope)).upper() + '_' + d.name for d in declarations if d.kind == 'enumerator' and d.scope}
-    unknown = sorted(name for name in dir(surgtrack) if not name.startswith('_') and name not in known | flat)
+    unknown += sorted(name for name in dir(surgtrack) if not name.startswith('_') and name not in known | flat)
     if unknown:
         raise Failure('cv2.surgtrack.%s: the built module has it, but not the headers; expected a build of these headers' % unknown[0])
     return HEADER % overview + re.sub(r'\n{3,}', '\n\n', '\n'.join(lines)).rstrip() + '\n'

@@ -33,7 +33,7 @@ readings plus ToolEstimate.jointOffsets. With a right camera all poses are in th
 
 **Units.** Metres, radians, seconds, pixels. Pixel (0, 0) is the centre of the top-left pixel."""
 
-from typing import Any, Optional, Sequence, Tuple, Union, overload
+from typing import Any, Optional, Sequence as _Sequence, Tuple, Union, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,21 +71,27 @@ class CameraModel:
     @overload
     def __init__(self, cameraMatrix: NDArray[Any], distCoeffs: NDArray[Any], imageSize: Tuple[int, int]) -> None:
         """cameraMatrix: 3x3, any floating type, [pixel]; the skew is 0 and the last row 0 0 1
-
         distCoeffs: 0, 4, 5, 8 or 12 coefficients in OpenCV's order (k1, k2, p1, p2[, k3[, k4, k5, k6[, s1..s4]]])
         imageSize: width and height [pixel]
         Raises cv2.error for any other shape, for non-finite values and for a focal length that is not positive
         """
         ...
-    def cameraMatrix(self) -> NDArray[np.float64]: ...
-    def distCoeffs(self) -> NDArray[Any]:
-        """1x12 CV_64F, zeros where nothing was given"""
+    def cameraMatrix(self) -> NDArray[np.float64]:
+        """3x3, [pixel]."""
         ...
-    def imageSize(self) -> Tuple[int, int]: ...
-    def hasDistortion(self) -> bool: ...
+    def distCoeffs(self) -> NDArray[Any]:
+        """1x12 CV_64F, zeros where nothing was given."""
+        ...
+    def imageSize(self) -> Tuple[int, int]:
+        """Width and height [pixel]."""
+        ...
+    def hasDistortion(self) -> bool:
+        """Whether one of the coefficients is not 0."""
+        ...
     def projectPoints(self, viewPoints: NDArray[Any], imagePoints: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
-        """viewPoints: N points of the camera frame, N x 3 or 3-channel, floating [m]
+        """Projects points of the camera frame to the image.
 
+        viewPoints: N points of the camera frame, N x 3 or 3-channel, floating [m]
         imagePoints: N x 1 CV_64FC2 [pixel]; NaN where a point is not in front of the camera
         """
         ...
@@ -124,10 +130,18 @@ class ToolModel:
     def save(self, filename: str) -> None:
         """Writes the tool file, and its meshes as PLY into the folder `meshes` beside it."""
         ...
-    def name(self) -> str: ...
-    def coordinateNames(self) -> Tuple[str, ...]: ...
-    def linkNames(self) -> Tuple[str, ...]: ...
-    def keypointNames(self) -> Tuple[str, ...]: ...
+    def name(self) -> str:
+        """The tool's name."""
+        ...
+    def coordinateNames(self) -> Tuple[str, ...]:
+        """Names of the coordinates, in the order of all `joints` arguments."""
+        ...
+    def linkNames(self) -> Tuple[str, ...]:
+        """Names of the links, parents before their children."""
+        ...
+    def keypointNames(self) -> Tuple[str, ...]:
+        """Names of the keypoints, in the order of keypointPositions()."""
+        ...
     def coordinateIndex(self, name: str) -> int:
         """Index of the coordinate, or -1."""
         ...
@@ -138,15 +152,30 @@ class ToolModel:
         """
         ...
     def getMesh(self, index: int, vertices: Optional[NDArray[Any]] = ..., triangles: Optional[NDArray[Any]] = ...) -> Tuple[NDArray[Any], NDArray[Any]]:
-        """index: mesh index
+        """A mesh.
 
+        index: mesh index, see linkMesh()
         vertices: V x 3 CV_32F [m], in the frame of its link
         triangles: T x 3 CV_32S
         """
         ...
-    def endEffectorPose(self, joints: NDArray[Any]) -> NDArray[np.float64]:
-        """joints: one value per coordinate [rad or m]
+    def linkMesh(self, link: int) -> int:
+        """The mesh that a link carries: an index for getMesh(), or -1.
 
+        link: index
+        """
+        ...
+    def linkPoses(self, joints: NDArray[Any]) -> NDArray[Any]:
+        """Poses of all links, as an array.
+
+        joints: one value per coordinate [rad or m], finite
+        Returns: base_T_link, L x 4 x 4 CV_64F, in the order of linkNames()
+        """
+        ...
+    def endEffectorPose(self, joints: NDArray[Any]) -> NDArray[np.float64]:
+        """The end effector's pose.
+
+        joints: one value per coordinate [rad or m]
         Returns: base_T_tool, the end effector's pose in the base frame
         """
         ...
@@ -216,7 +245,7 @@ class PartTemplate:
         """of the features, relative to the anchor [pixel]"""
         ...
     def getFeatures(self) -> NDArray[Any]:
-        """Features as N x 3 CV_32S: x, y, bin."""
+        """Features as N x 3 CV_32S: x and y from the anchor [pixel], bin of the orientation, 0..7."""
         ...
 
 class PartTemplateRenderer:
@@ -243,7 +272,11 @@ class PartTemplateRenderer:
         """the same for keypoints on the last links of the chain (tips) [m]; 0.003, as the paper's release"""
 
     @staticmethod
-    def create(renderer: Optional[MeshRenderer] = ..., params: PartTemplateRenderer.Params = ...) -> PartTemplateRenderer: ...
+    def create(renderer: Optional[MeshRenderer] = ..., params: PartTemplateRenderer.Params = ...) -> PartTemplateRenderer:
+        """renderer: draws the tools; none: MeshRenderer.createSoftware()
+        params: sizes and thresholds
+        """
+        ...
     def addTool(self, model: ToolModel) -> int:
         """Adds a tool.
 
@@ -362,7 +395,7 @@ class QGOMatcher:
         roi: only windows with their templates inside it can be matched; empty = the whole image
         """
         ...
-    def match(self, templates: Sequence[PartTemplate], windows: Sequence[Tuple[int, int, int, int]]) -> Tuple[PartMatch, ...]:
+    def match(self, templates: _Sequence[PartTemplate], windows: _Sequence[Tuple[int, int, int, int]]) -> Tuple[PartMatch, ...]:
         """Finds templates in the prepared image. Features outside the prepared region count as not found.
 
         templates: what to look for
@@ -384,7 +417,6 @@ class GeometricContextVerifier:
     """Keeps the matches of one tool whose arrangement in the image is that of the drawing (paper, Sec. 2.2).
 
     Two matches of different parts, drawn in PROSAC order [chum2005matching], span a polar grid in the image and one in the
-
     drawing: centre on the first point, axis through the second. Another match agrees if it falls into the zone of its part in
     both grids. The sample with most inliers wins (ties: the larger sum of similarities); a part has at most one inlier. With Params.centredZones = false the first sample
     that Params.minInliers agree with is taken, as in the paper.
@@ -409,10 +441,13 @@ class GeometricContextVerifier:
         """of the sampling"""
 
     @staticmethod
-    def create(params: GeometricContextVerifier.Params = ...) -> GeometricContextVerifier: ...
-    def verify(self, matches: Sequence[PartMatch]) -> Tuple[bool, Tuple[PartMatch, ...]]:
-        """matches: candidates of one tool, sorted by falling similarity
+    def create(params: GeometricContextVerifier.Params = ...) -> GeometricContextVerifier:
+        """params: zones and limits"""
+        ...
+    def verify(self, matches: _Sequence[PartMatch]) -> Tuple[bool, Tuple[PartMatch, ...]]:
+        """Keeps what agrees.
 
+        matches: candidates of one tool, sorted by falling similarity
         inliers: those that agree, at most one a part, sorted by part; empty after false
         Returns: whether at least Params.minInliers agree
         """
@@ -431,10 +466,12 @@ def projectKeypoints(camera: CameraModel, state: NDArray[Any], nominalPoints: ND
     ...
 
 def correctionFromState(state: NDArray[Any]) -> NDArray[np.float64]:
-    """camera_T_nominal of a state (theta_x, theta_y, theta_z, r_x, r_y, r_z), and back."""
+    """camera_T_nominal of a state (theta_x, theta_y, theta_z [rad], r_x, r_y, r_z [m])."""
     ...
 
-def stateFromCorrection(camera_T_nominal: NDArray[np.float64], state: Optional[NDArray[Any]] = ...) -> NDArray[Any]: ...
+def stateFromCorrection(camera_T_nominal: NDArray[np.float64], state: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
+    """The state, 6 x 1 CV_64F, of a camera_T_nominal: the inverse of correctionFromState()."""
+    ...
 
 def solveEPnP(camera: CameraModel, nominalPoints: NDArray[Any], imagePoints: NDArray[Any], maxError: float = ...) -> Tuple[bool, NDArray[np.float64]]:
     """EPnP on verified matches: the paper's start, and its per-frame baseline.
@@ -472,7 +509,11 @@ class ToolPoseEKF:
         """with fewer points inside the gate nothing is updated; default 1"""
 
     @staticmethod
-    def create(camera: CameraModel, params: ToolPoseEKF.Params = ...) -> ToolPoseEKF: ...
+    def create(camera: CameraModel, params: ToolPoseEKF.Params = ...) -> ToolPoseEKF:
+        """camera: intrinsics and distortion
+        params: noise and gate
+        """
+        ...
     def reset(self, camera_T_nominal: NDArray[np.float64]) -> None:
         """Starts anew from a correction (the unit matrix: the hand-eye calibration itself) with the initial covariance."""
         ...
@@ -489,13 +530,13 @@ class ToolPoseEKF:
         """
         ...
     def correction(self) -> NDArray[np.float64]:
-        """camera_T_nominal"""
+        """camera_T_nominal."""
         ...
     def state(self) -> NDArray[Any]:
-        """6 x 1 CV_64F"""
+        """6 x 1 CV_64F, see projectKeypoints()."""
         ...
     def covariance(self) -> NDArray[Any]:
-        """6 x 6 CV_64F, order of the state"""
+        """6 x 6 CV_64F, order of the state."""
         ...
     def nis(self) -> float:
         """Normalised innovation squared of the last correct(), per degree of freedom; 0 before the first."""
@@ -592,7 +633,7 @@ class ContourSearch:
     ambiguity: float
     """a point with a second edge more than this share as likely as the first is left out"""
 
-def matchContour(image: NDArray[Any], points: Sequence[ContourPoint], search: ContourSearch) -> Tuple[int, Tuple[ContourPoint, ...]]:
+def matchContour(image: NDArray[Any], points: _Sequence[ContourPoint], search: ContourSearch) -> Tuple[int, Tuple[ContourPoint, ...]]:
     """Looks for an edge on the normal of each point, to a fraction of a pixel: the maximum of the image's gradient along the
     normal, over all channels, nearer ones preferred.
 
@@ -792,7 +833,7 @@ class ToolTracker:
         Returns: index of the tool
         """
         ...
-    def update(self, image: NDArray[Any], time: float, joints: Sequence[Union[Sequence[float], NDArray[np.float64]]]) -> Tuple[ToolEstimate, ...]:
+    def update(self, image: NDArray[Any], time: float, joints: _Sequence[Union[_Sequence[float], NDArray[np.float64]]]) -> Tuple[ToolEstimate, ...]:
         """Tracks one frame.
 
         image: CV_8UC1 or CV_8UC3 (BGR) of the camera's size
@@ -803,7 +844,7 @@ class ToolTracker:
         state is then unchanged
         """
         ...
-    def updateStereo(self, left: NDArray[Any], right: NDArray[Any], time: float, joints: Sequence[Union[Sequence[float], NDArray[np.float64]]]) -> Tuple[ToolEstimate, ...]:
+    def updateStereo(self, left: NDArray[Any], right: NDArray[Any], time: float, joints: _Sequence[Union[_Sequence[float], NDArray[np.float64]]]) -> Tuple[ToolEstimate, ...]:
         """Tracks one frame of both eyes, taken at the same time; setRightCamera() comes first. Frames of one eye, by update(), may
         lie between. Poses, matches and the search for a first pose are those of the left eye.
 
@@ -811,7 +852,7 @@ class ToolTracker:
         time, joints, estimates: see update(), also for what is thrown
         """
         ...
-    def renderAhead(self, joints: Sequence[Union[Sequence[float], NDArray[np.float64]]]) -> None:
+    def renderAhead(self, joints: _Sequence[Union[_Sequence[float], NDArray[np.float64]]]) -> None:
         """Starts drawing templates in a second thread (paper, Sec. 2: two threads) and returns at once.
 
         A video is tracked with the drawing of the next frame beside the matching of this one:
@@ -841,7 +882,7 @@ class ToolTracker:
         ...
     def resetTimings(self) -> None: ...
 
-def drawSkeleton(image: NDArray[Any], camera: CameraModel, model: ToolModel, joints: NDArray[Any], camera_T_base: NDArray[np.float64], color: Sequence[float]) -> NDArray[Any]:
+def drawSkeleton(image: NDArray[Any], camera: CameraModel, model: ToolModel, joints: NDArray[Any], camera_T_base: NDArray[np.float64], color: _Sequence[float]) -> NDArray[Any]:
     """Draws a tool's skeleton (joint axes' origins and the end effector) and its keypoints into an image.
 
     image: CV_8UC3, is drawn on
@@ -875,28 +916,46 @@ class Sequence:
     """
     @staticmethod
     def load(folder: str) -> Sequence:
-        """folder: the folder, or its sequence.yaml
+        """Reads a sequence; videos are not opened.
 
+        folder: the folder, or its sequence.yaml
         Raises cv2.error naming file, key or line and what was expected
         """
         ...
-    def name(self) -> str: ...
-    def fps(self) -> float: ...
-    def leftCamera(self) -> CameraModel: ...
+    def name(self) -> str:
+        """The key `name`, or else the folder's name."""
+        ...
+    def fps(self) -> float:
+        """Frames a second."""
+        ...
+    def leftCamera(self) -> CameraModel:
+        """The left camera, or the only one."""
+        ...
     def rightCamera(self) -> CameraModel:
-        """empty size if mono"""
+        """The right camera; of size 0 x 0 if there is one camera."""
         ...
     def leftVideo(self) -> str:
-        """path; may lie outside the folder"""
+        """Path of the left video; may lie outside the folder."""
         ...
     def rightVideo(self) -> str:
-        """empty if mono"""
+        """Path of the right video; empty if there is one camera."""
         ...
-    def right_T_left(self) -> NDArray[np.float64]: ...
-    def isStereo(self) -> bool: ...
-    def toolCount(self) -> int: ...
-    def tool(self, index: int) -> SequenceTool: ...
-    def jointsAt(self, tool: int, time: float, coordinates: Sequence[str] = ...) -> Tuple[bool, NDArray[np.float64]]:
+    def right_T_left(self) -> NDArray[np.float64]:
+        """Pose of the left camera in the frame of the right one [m]."""
+        ...
+    def isStereo(self) -> bool:
+        """Whether there are two cameras."""
+        ...
+    def toolCount(self) -> int:
+        """Number of tools."""
+        ...
+    def tool(self, index: int) -> SequenceTool:
+        """What is known of a tool.
+
+        index: 0 to toolCount() - 1
+        """
+        ...
+    def jointsAt(self, tool: int, time: float, coordinates: _Sequence[str] = ...) -> Tuple[bool, NDArray[np.float64]]:
         """Joint readings at a time, linearly interpolated between the two nearest records.
 
         tool: index
@@ -911,10 +970,14 @@ class Sequence:
         """Names of the joint columns of kinematics.csv: all but `time` and `tool`."""
         ...
     def firstTime(self, tool: int) -> float:
-        """Time of a tool's first and last joint reading [s]."""
+        """Time of a tool's first joint reading [s]."""
         ...
-    def lastTime(self, tool: int) -> float: ...
-    def kinematicsFile(self) -> str: ...
+    def lastTime(self, tool: int) -> float:
+        """Time of a tool's last joint reading [s]."""
+        ...
+    def kinematicsFile(self) -> str:
+        """Path of kinematics.csv."""
+        ...
     def groundTruth(self, tool: int, frame: int) -> Tuple[bool, NDArray[np.float64], NDArray[np.float64]]:
         """Ground truth of a frame.
 
@@ -937,14 +1000,15 @@ class PoseWriter:
     Each row is flushed, so that what was written is complete and readable whatever happens next.
     """
     @staticmethod
-    def create(filename: str, extraColumns: Sequence[str] = ...) -> PoseWriter:
-        """filename: is overwritten
+    def create(filename: str, extraColumns: _Sequence[str] = ...) -> PoseWriter:
+        """Begins a file.
 
+        filename: is overwritten
         extraColumns: names of further columns
         Raises cv2.error naming the file if it can't be written
         """
         ...
-    def write(self, frame: int, time: float, tool: str, state: int, camera_T_tool: NDArray[np.float64], extra: Union[Sequence[float], NDArray[np.float64]] = ...) -> None:
+    def write(self, frame: int, time: float, tool: str, state: int, camera_T_tool: NDArray[np.float64], extra: Union[_Sequence[float], NDArray[np.float64]] = ...) -> None:
         """Adds one row.
 
         frame: number
@@ -997,8 +1061,9 @@ class PoseScorer:
     """Compares poses with the truth, as Table 1 of the paper does."""
     @staticmethod
     def create(camera: CameraModel, tools: int) -> PoseScorer:
-        """camera: of the image the reprojection error is taken in; its distortion is left out
+        """A scorer without poses yet.
 
+        camera: of the image the reprojection error is taken in; its distortion is left out
         tools: number of tools
         """
         ...
@@ -1012,7 +1077,10 @@ class PoseScorer:
         """
         ...
     def score(self, tool: int = ...) -> PoseScore:
-        """tool: index; -1 = all tools together"""
+        """The score so far.
+
+        tool: index; -1 = all tools together
+        """
         ...
 
 class TimeOffsetParams:
@@ -1117,28 +1185,48 @@ class SyntheticScene:
 
     @staticmethod
     def create(model: Optional[ToolModel] = ..., params: SyntheticScene.Params = ...) -> SyntheticScene:
-        """model: the tool all arms carry; empty = ToolModel.needleDriver(); needs the coordinates q1..q6 and jaw
+        """A scene from its seed.
 
+        model: the tool all arms carry; empty = ToolModel.needleDriver(); needs the coordinates q1..q6 and jaw
         params: options
         """
         ...
-    def toolCount(self) -> int: ...
-    def frameCount(self) -> int: ...
-    def model(self) -> ToolModel: ...
-    def camera(self, right: bool = ...) -> CameraModel: ...
-    def right_T_left(self) -> NDArray[np.float64]: ...
+    def toolCount(self) -> int:
+        """Number of arms."""
+        ...
+    def frameCount(self) -> int:
+        """Params.frames."""
+        ...
+    def model(self) -> ToolModel:
+        """The tool that all arms carry."""
+        ...
+    def camera(self, right: bool = ...) -> CameraModel:
+        """One of the cameras.
+
+        right: the right one of a stereo scene
+        """
+        ...
+    def right_T_left(self) -> NDArray[np.float64]:
+        """Pose of the left camera in the frame of the right one [m]."""
+        ...
     def nominal_T_base(self, tool: int) -> NDArray[np.float64]:
         """The recorded, wrong, hand-eye calibration of an arm."""
         ...
     def camera_T_base(self, tool: int) -> NDArray[np.float64]:
-        """The true one (left camera)."""
+        """The true hand-eye calibration of an arm (left camera)."""
         ...
     def trueJoints(self, tool: int, time: float) -> NDArray[np.float64]:
-        """Joints at a time [s]: the true ones, or as the robot reads them. One value per coordinate [rad or m]."""
+        """True joints at a time [s]: one value per coordinate [rad or m]."""
         ...
-    def recordedJoints(self, tool: int, time: float) -> NDArray[np.float64]: ...
+    def recordedJoints(self, tool: int, time: float) -> NDArray[np.float64]:
+        """Joints at a time [s] as the robot reads them: one value per coordinate [rad or m]."""
+        ...
     def truePose(self, tool: int, time: float) -> NDArray[np.float64]:
-        """camera_T_tool, exact (left camera)."""
+        """camera_T_tool, exact (left camera).
+
+        tool: index
+        time: [s]
+        """
         ...
     def render(self, frame: int, image: Optional[NDArray[Any]] = ..., right: bool = ...) -> NDArray[Any]:
         """Draws a frame.
