@@ -273,7 +273,7 @@ run_evaluation() {
 
 # lose_a_worker OUT LOG COMMAND...: evaluates with two Dask workers, one of which is ended when there is a first result in OUT.
 lose_a_worker() {
-  local out="$1" log="$2" code=0 pids=() i address='' dask=(env "PYTHONPATH=$REPO/samples" PYTHONDONTWRITEBYTECODE=1 "$PYTHON" -m)
+  local out="$1" log="$2" code=0 pids=() i results=0 address='' dask=("$PYTHON" -m)
   shift 2
   rm -f "$out.json"
   "${dask[@]}" distributed.cli.dask_scheduler --host 127.0.0.1 --port 0 --no-dashboard --scheduler-file "$out.json" >"$log" 2>&1 &
@@ -288,17 +288,16 @@ lose_a_worker() {
   limited "$@" --scheduler="$address" --out="$out" &
   local client=$!
   for ((i = 0; i < 600; i++)); do
-    [[ -z "$(find "$out/results" -name '[!p]*.yml.gz' 2>/dev/null)" ]] || break
+    results="$(find "$out/results" -name '*.yml.gz' ! -name 'part-*' 2>/dev/null | wc -l)"
+    ((results == 0)) || break
     sleep 0.1
   done
-  local results
-  results="$(find "$out/results" -name '[!p]*.yml.gz' | wc -l)"
   kill -9 "${pids[2]}"
   wait "$client" || code=$?
   kill "${pids[0]}" "${pids[1]}" 2>/dev/null || true
   wait "${pids[@]}" 2>/dev/null || true
-  if ((results > 2)); then
-    echo "the worker was not ended in the middle: there were $results results already"
+  if ((results == 0 || results > 2)); then   # of four: each of the two workers has one to do
+    echo "the worker was not ended in the middle: there were $results results"
     return 1
   fi
   return "$code"
@@ -349,6 +348,16 @@ run_cluster() {
     --program="$evaluate" --out="$work/never" --methods=none
   sample "refused: no such program" refuses "$work/none" "${python[@]}" "$REPO/samples/evaluate.py" --sequences="$work/many" \
     --program="$work/none" --out="$work/never"
+  cat >"$work/fails-once" <<SCRIPT
+#!/bin/sh
+case "\$*" in *--part*) if mkdir "$work/failed-once" 2>/dev/null; then echo 'evaluate: no memory' >&2; exit 1; fi ;; esac
+exec "$evaluate" "\$@"
+SCRIPT
+  chmod +x "$work/fails-once"
+  sample "evaluate.py, a sequence fails once" limited "${python[@]}" "$REPO/samples/evaluate.py" --sequences="$work/many/deeper" \
+    --methods=epnp --program="$work/fails-once" --out="$work/once" --quiet
+  sample "all are there" grep -q '^| all | epnp | 16 |' "$work/once/table.md"
+  sample "it has failed" test -d "$work/failed-once"
   if ! "$PYTHON" -c 'import distributed' 2>/dev/null; then
     echo "skipped: evaluate_cluster.py, which needs dask.distributed"
     return 0
