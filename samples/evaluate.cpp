@@ -15,11 +15,13 @@ namespace {
 
 const char* const KEYS =
     "{ help h    |                 | print this }"
-    "{ sequences |                 | folders of sequences with groundtruth.csv, separated by commas }"
-    "{ out       |                 | folder to write; is made if it does not exist }"
+    "{ sequences |                 | folders of sequences with groundtruth.csv, separated by commas; other folders are searched for such }"
+    "{ out       |                 | folder to write; is made if it does not exist. Sequences whose results are there already are not run again }"
     "{ methods   | full,paper,epnp | methods to evaluate, separated by commas: full, paper, epnp. Worst frames are those of the first }"
     "{ frames    | 0               | number of frames of each sequence, 0 = to the end of the video }"
     "{ stereo    |                 | method full a second time with the right image, where there is one }"
+    "{ part      |                 | write no tables: one of several processes with a share of the sequences each, --merge comes last }"
+    "{ merge     |                 | run nothing: tables of the results that are in --out }"
     "{ quiet     |                 | no progress }";
 
 struct Options
@@ -27,7 +29,7 @@ struct Options
     std::vector<String> sequences, methods;
     String out;
     int frames;
-    bool stereo, quiet;
+    bool stereo, part, merge, quiet;
 };
 
 std::vector<String> split(const CommandLineParser& parser, const char* name)
@@ -59,7 +61,7 @@ Options readOptions(const CommandLineParser& parser)
         fail("expected --sequences=DIR[,DIR...], see --help");
     if (parser.get<String>("out").empty())
         fail("expected --out=DIR, see --help");
-    options.sequences = split(parser, "sequences");
+    options.sequences = findSequences(split(parser, "sequences"));
     options.out = parser.get<String>("out");
     options.methods = split(parser, "methods");
     for (size_t i = 0; i < options.methods.size(); i++)
@@ -69,6 +71,10 @@ Options readOptions(const CommandLineParser& parser)
     options.stereo = parser.has("stereo");
     if (options.stereo && std::find(options.methods.begin(), options.methods.end(), "full") == options.methods.end())
         fail("argument '--stereo': only method full uses the right image, expected it in --methods");
+    options.part = parser.has("part");
+    options.merge = parser.has("merge");
+    if (options.part && options.merge)
+        fail("arguments '--part' and '--merge': expected one of them, or none for both in turn");
     options.quiet = parser.has("quiet");
     return options;
 }
@@ -81,7 +87,7 @@ String uniqueLabel(const String& label, const Results& results)
     {
         bool taken = candidate == "all";   // the rows of all sequences
         for (size_t i = 0; i < results.size(); i++)
-            taken = taken || results[i]->data.label == candidate;
+            taken = taken || results[i]->label == candidate;
         if (!taken)
             return candidate;
         candidate = label + format("-%d", number);
@@ -97,9 +103,14 @@ Run track(const Data& data, const String& name, const Options& options, bool ste
     return run.track(options.frames, options.quiet);
 }
 
-void evaluateSequence(const Options& options, Result& result)
+void evaluateSequence(const Options& options, const Data& data, Result& result)
 {
-    const Data& data = result.data;
+    result.label = data.label;
+    for (size_t i = 0; i < data.tools.size(); i++)
+    {
+        result.tools.push_back(data.tools[i].info.name);
+        result.coordinates.push_back(data.tools[i].model->coordinateNames());
+    }
     for (size_t i = 0; i < options.methods.size(); i++)
     {
         result.runs.push_back(track(data, options.methods[i], options, false));
@@ -114,9 +125,20 @@ void evaluateSequence(const Options& options, Result& result)
     result.detection = detection.run(options.frames, options.quiet);
 }
 
+//! Those of an earlier evaluation, whose sequences may have had other labels.
+void removeFiles(const String& folder, const String& pattern)
+{
+    std::vector<String> files;
+    utils::fs::glob(folder, pattern, files);
+    for (size_t i = 0; i < files.size(); i++)
+        std::remove(files[i].c_str());
+}
+
 void writeAll(const Options& options, const Results& results, const std::vector<std::string>& failures)
 {
     const String& out = options.out;
+    removeFiles(out, "frames_*.csv");
+    removeFiles(out, "worst_*.png");
     writeScores(utils::fs::join(out, "table.csv"), results);
     TextFile table(utils::fs::join(out, "table.md"));
     table << scoreTable(results);
@@ -124,55 +146,101 @@ void writeAll(const Options& options, const Results& results, const std::vector<
     writeDetections(utils::fs::join(out, "detection.csv"), results);
     writeAxes(utils::fs::join(out, "rotation_axes.csv"), results);
     writeConsistency(utils::fs::join(out, "consistency.csv"), results);
+    writeTimings(utils::fs::join(out, "timings.csv"), results);
     for (size_t i = 0; i < results.size(); i++)
         for (size_t j = 0; j < results[i]->runs.size(); j++)
         {
             const Run& run = results[i]->runs[j];
-            writeFrames(utils::fs::join(out, "frames_" + results[i]->data.label + "_" + run.method + ".csv"), *results[i], run);
+            writeFrames(utils::fs::join(out, "frames_" + results[i]->label + "_" + run.method + ".csv"), *results[i], run);
         }
     writeWorst(out, results);
     writeReport(utils::fs::join(out, "report.md"), results, failures);
 }
 
+//! What other options make another result.
+String settingsOf(const Options& options)
+{
+    String settings = format("%d frames%s", options.frames, options.stereo ? ", stereo" : "");
+    for (size_t i = 0; i < options.methods.size(); i++)
+        settings += " " + options.methods[i];
+    return settings;
+}
+
+//! Leaves NAME.yml.gz, or, if the sequence can't be evaluated, NAME.failed with the reason.
+void makeResult(const Options& options, const String& folder, const String& name)
+{
+    std::remove((name + ".failed").c_str());
+    std::string error;
+    try
+    {
+        Data data;
+        data.load(folder);
+        Result result;
+        evaluateSequence(options, data, result);
+        save(name + ".yml.gz", result);
+        return;
+    }
+    catch (const Exception& e)
+    {
+        error = e.err.empty() ? e.what() : e.err;
+    }
+    catch (const std::exception& e)
+    {
+        error = e.what();
+    }
+    std::replace(error.begin(), error.end(), '\n', ' ');
+    TextFile file(name + ".failed");
+    file << (error.find(folder) == std::string::npos ? folder + ": " + error : error) + "\n";
+    file.finish();
+}
+
+//! Why there is no result; nothing if there is one.
+String failureOf(const Options& options, const String& folder, const String& name)
+{
+    if (utils::fs::exists(name + ".yml.gz"))
+        return String();
+    std::ifstream file((name + ".failed").c_str());
+    std::string line;
+    return std::getline(file, line) ? line : folder + ": has no result in " + options.out + ", expected one of a run with --part and the same other options";
+}
+
 //! Evaluates and writes. Returns the number of sequences that failed.
 int evaluate(const char* program, const Options& options)
 {
-    if (!utils::fs::createDirectories(options.out) || !utils::fs::isDirectory(options.out))
+    const String folder = utils::fs::join(options.out, "results");
+    if (!utils::fs::createDirectories(folder) || !utils::fs::isDirectory(folder))
         fail("argument '--out=" + options.out + "': the folder can't be made");
-    const String probe = utils::fs::join(options.out, "report.md.part");   // better now than after an hour
+    const String probe = partOf(utils::fs::join(folder, "probe"));   // better now than after an hour
     TextFile(probe).finish();
     std::remove(probe.c_str());
     Results results;
     std::vector<std::string> failures;
     for (size_t i = 0; i < options.sequences.size(); i++)
     {
-        std::string error;
-        try
+        const String& sequence = options.sequences[i];
+        const String name = resultName(folder, sequence, settingsOf(options));
+        if (!options.merge && !utils::fs::exists(name + ".yml.gz"))
+            makeResult(options, sequence, name);
+        else if (!options.quiet && !options.merge)
+            std::fprintf(stderr, "%s: is in %s already\n", sequence.c_str(), folder.c_str());
+        const String failure = failureOf(options, sequence, name);
+        if (!failure.empty())
+        {
+            common::reportError(program, Exception(Error::StsError, failure, "", "", 0));
+            failures.push_back(failure);
+        }
+        else if (!options.part)
         {
             const Ptr<Result> result = makePtr<Result>();
-            result->data.load(options.sequences[i]);
-            result->data.label = uniqueLabel(result->data.label, results);
-            evaluateSequence(options, *result);
+            load(name + ".yml.gz", *result);
+            result->label = uniqueLabel(result->label, results);
             results.push_back(result);
-            continue;
         }
-        catch (const Exception& e)
-        {
-            error = e.err.empty() ? e.what() : e.err;
-        }
-        catch (const std::exception& e)
-        {
-            error = e.what();
-        }
-        if (error.find(options.sequences[i]) == std::string::npos)
-            error = options.sequences[i] + ": " + error;
-        common::reportError(program, Exception(Error::StsError, error, "", "", 0));
-        failures.push_back(error);
     }
     if (!results.empty())
     {
         writeAll(options, results, failures);
-        std::printf("%s", scoreTable(results).c_str());
+        std::printf("%s%s", scoreTable(results).c_str(), speedLine(results).c_str());
         std::fflush(stdout);
     }
     return (int)failures.size();
@@ -187,8 +255,8 @@ int main(int argc, char** argv)
     try
     {
         const char* const options[] = { "sequences", "out", "methods", "frames" };
-        const char* const flags[] = { "help", "stereo", "quiet" };
-        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 4), std::vector<std::string>(flags, flags + 3));
+        const char* const flags[] = { "help", "stereo", "part", "merge", "quiet" };
+        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 4), std::vector<std::string>(flags, flags + 5));
         CommandLineParser parser(argc, argv, KEYS);
         parser.about("Measures the tracker on sequences whose truth is known; writes tables, frame by frame errors and report.md.\n"
                      "plot_evaluation.py makes the plots.");

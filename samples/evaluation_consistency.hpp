@@ -16,12 +16,12 @@ that of the mean of as many independent values, since the errors of successive f
 the mean over all frames; innovations of a consistent filter are independent, so its band has the degrees of freedom of all of them. */
 struct Consistency
 {
-    std::map<std::pair<const Run*, int>, Moments> runs;   // of a tool
+    std::map<std::pair<int, int>, Moments> runs;          // by number of the run and tool
     double dof, sum;                                      // NIS: of all frames
     int frames, inside;
     Consistency() : dof(0), sum(0), frames(0), inside(0) {}
 
-    void addNees(const Run& run, double Record::*value, int degrees)
+    void addNees(int number, const Run& run, double Record::*value, int degrees)
     {
         const Band band(degrees, 1);
         for (size_t i = 0; i < run.records.size(); i++)
@@ -29,12 +29,12 @@ struct Consistency
             const Record& r = run.records[i];
             if (!r.covered() || cvIsNaN(r.*value))
                 continue;
-            runs[std::make_pair(&run, r.tool)].add(r.*value);
+            runs[std::make_pair(number, r.tool)].add(r.*value);
             frames++;
             inside += band.holds(r.*value);
         }
     }
-    void addNis(const Run& run)
+    void addNis(int number, const Run& run)
     {
         std::map<int, Band> bands;
         for (size_t i = 0; i < run.records.size(); i++)
@@ -44,7 +44,7 @@ struct Consistency
             if (!r.covered() || cvIsNaN(r.nis) || degrees <= 0)
                 continue;
             const Band& band = bands.insert(std::make_pair(degrees, Band(degrees, degrees))).first->second;
-            runs[std::make_pair(&run, r.tool)].add(r.nis);
+            runs[std::make_pair(number, r.tool)].add(r.nis);
             dof += degrees;
             sum += r.nis * degrees;
             frames++;
@@ -54,7 +54,7 @@ struct Consistency
     double meanOfRuns() const
     {
         Moments mean;
-        for (std::map<std::pair<const Run*, int>, Moments>::const_iterator it = runs.begin(); it != runs.end(); ++it)
+        for (std::map<std::pair<int, int>, Moments>::const_iterator it = runs.begin(); it != runs.end(); ++it)
             mean.add(it->second.mean());
         return mean.mean();
     }
@@ -83,13 +83,13 @@ inline std::vector<ConsistencyRow> consistencyOf(const std::vector<const Run*>& 
     {
         Consistency c;
         for (size_t i = 0; i < runs.size(); i++)
-            c.addNees(*runs[i], kinds[k].value, kinds[k].dof);
+            c.addNees((int)i, *runs[i], kinds[k].value, kinds[k].dof);
         const double n = (double)c.runs.size();
         rows.push_back(ConsistencyRow(kinds[k].name, c, kinds[k].dof, c.meanOfRuns(), Band(kinds[k].dof * n, n)));
     }
     Consistency c;
     for (size_t i = 0; i < runs.size(); i++)
-        c.addNis(*runs[i]);
+        c.addNis((int)i, *runs[i]);
     rows.push_back(ConsistencyRow("nis", c, 1, c.dof > 0 ? c.sum / c.dof : unknown(), Band(c.dof, c.dof)));
     return rows;
 }

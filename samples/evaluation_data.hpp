@@ -51,6 +51,15 @@ inline String fileOf(const String& folder, const char* key, const char* otherwis
     return absolute ? path : utils::fs::join(parent.empty() ? String(".") : parent, path);
 }
 
+//! A name for files and tables.
+inline String plainName(String name)
+{
+    for (size_t i = 0; i < name.size(); i++)
+        if (!std::isalnum((unsigned char)name[i]) && name[i] != '-' && name[i] != '.')
+            name[i] = '_';
+    return name;
+}
+
 //! keypoints.csv: by tool, frame and keypoint.
 class KeypointFile
 {
@@ -174,10 +183,7 @@ struct Data
         const String keypointFile = fileOf(folder, "keypoints", "keypoints.csv");
         if (utils::fs::exists(keypointFile))
             keypoints = KeypointFile::read(keypointFile, tools);
-        label = sequence->name();
-        for (size_t i = 0; i < label.size(); i++)
-            if (!std::isalnum((unsigned char)label[i]) && label[i] != '-' && label[i] != '.')
-                label[i] = '_';
+        label = plainName(sequence->name());
     }
 
     double time(int frame) const { return frame / sequence->fps(); }

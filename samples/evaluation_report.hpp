@@ -7,7 +7,6 @@
 #ifndef OPENCV_SURGTRACK_SAMPLES_EVALUATION_REPORT_HPP
 #define OPENCV_SURGTRACK_SAMPLES_EVALUATION_REPORT_HPP
 
-#include "opencv2/imgcodecs.hpp"
 #include "evaluation_tables.hpp"
 
 namespace evaluation {
@@ -18,47 +17,9 @@ inline String methodTitle(const String& method)
     return method == "full-stereo" ? String("full, stereo") : method;
 }
 
-inline void drawSkeletons(Mat& image, const CameraModel& camera, const Data& data, const WorstFrame& worst)
-{
-    const Ptr<ToolModel>& model = data.tools[worst.record.tool].model;
-    drawSkeleton(image, camera, model, worst.trueJoints, worst.true_camera_T_base, Scalar(255, 255, 255));
-    drawSkeleton(image, camera, model, worst.joints, worst.camera_T_base, Scalar(0, 255, 0));
-}
-
-/** The frame with truth in white and estimate in green, beside it the surroundings of the tool twice as large. */
-inline Mat overlayOf(const Data& data, const WorstFrame& worst)
-{
-    const CameraModel camera = data.sequence->leftCamera();
-    Mat image = worst.image.clone();
-    if (image.channels() == 1)
-        cvtColor(worst.image, image, COLOR_GRAY2BGR);
-    const Ptr<ToolModel>& model = data.tools[worst.record.tool].model;
-    Mat basePoints;
-    model->keypointPositions(worst.trueJoints, basePoints);
-    Point2d centre;
-    for (int i = 0; i < basePoints.rows; i++)
-    {
-        const Vec4d p = worst.true_camera_T_base * Vec4d(basePoints.at<double>(i, 0), basePoints.at<double>(i, 1), basePoints.at<double>(i, 2), 1);
-        if (p[2] > 1e-3)
-            centre += camera.project(Point3d(p[0], p[1], p[2])) * (1. / basePoints.rows);
-    }
-    const int side = std::min(image.rows, image.cols) / 2;   // the inset, twice that, is as high as a wide frame or lower
-    const Rect crop(std::min(std::max(cvRound(centre.x) - side / 2, 0), image.cols - side),
-                    std::min(std::max(cvRound(centre.y) - side / 2, 0), image.rows - side), side, side);
-    Mat inset;
-    resize(image(crop), inset, Size(), 2, 2, INTER_CUBIC);
-    const Matx33d K(2 * camera.fx, 0, 2 * (camera.cx - crop.x + 0.5) - 0.5, 0, 2 * camera.fy, 2 * (camera.cy - crop.y + 0.5) - 0.5, 0, 0, 1);
-    drawSkeletons(inset, CameraModel(K, camera.distCoeffs(), inset.size()), data, worst);
-    drawSkeletons(image, camera, data, worst);
-    Mat result(image.rows, image.cols + inset.cols, CV_8UC3, Scalar::all(0));
-    image.copyTo(result(Rect(Point(), image.size())));
-    inset.copyTo(result(Rect(image.cols, 0, inset.cols, std::min(inset.rows, image.rows))));
-    return result;
-}
-
 inline String worstName(const Result& result, const Run& run)
 {
-    return "worst_" + result.data.label + "_" + run.method + ".png";
+    return "worst_" + result.label + "_" + run.method + ".png";
 }
 
 inline void writeWorst(const String& folder, const Results& results)
@@ -69,13 +30,14 @@ inline void writeWorst(const String& folder, const Results& results)
         for (size_t j = 0; j < results[i]->runs.size(); j++)
         {
             const Run& run = results[i]->runs[j];
-            if (run.worst.image.empty())
+            if (run.picture.empty())
                 continue;
-            const Record& r = run.worst.record;
-            const String picture = worstName(*results[i], run), path = utils::fs::join(folder, picture);
-            if (!imwrite(path, overlayOf(results[i]->data, run.worst)))
-                fail(path + ": can't be written, expected a folder with room for it");
-            file << results[i]->data.label + "," + run.method + "," + results[i]->data.tools[r.tool].info.name + format(",%d,", r.frame) +
+            const Record& r = run.worst;
+            const String picture = worstName(*results[i], run);
+            TextFile image(utils::fs::join(folder, picture));
+            image << std::string(run.picture.begin(), run.picture.end());
+            image.finish();
+            file << results[i]->label + "," + run.method + "," + results[i]->tools[r.tool] + format(",%d,", r.frame) +
                         cell(1e3 * r.translation) + "," + cell(r.rotation) + format(",%d,", r.inliers) + cell(r.similarity) + "," +
                         cell(r.contourSupport) + "," + cell(r.nis) + "," + cell(r.nees) + "," + picture + "\n";
         }
@@ -84,8 +46,8 @@ inline void writeWorst(const String& folder, const Results& results)
 
 inline std::string scoreTable(const Results& results)
 {
-    std::string text = "| sequence | method | frames | translation [mm] | rotation [rad] | accuracy | covered | silent | Hz |\n"
-                       "|---|---|---|---|---|---|---|---|---|\n";
+    std::string text = "| sequence | method | frames | translation [mm] | rotation [rad] | accuracy | covered | silent |\n"
+                       "|---|---|---|---|---|---|---|---|\n";
     const std::vector<String> methods = methodsOf(results);
     for (size_t i = 0; i <= results.size(); i++)
         for (size_t j = 0; j < methods.size(); j++)
@@ -97,9 +59,23 @@ inline std::string scoreTable(const Results& results)
             text += "| " + (j > 0 ? String() : labelOf(results, i)) + " | " + methodTitle(methods[j]) +
                     format(" | %d | ", s.frames) + shown(1e3 * s.translation.mean(), 1e3 * s.translation.deviation(), 2) + " | " +
                     shown(s.rotation.mean(), s.rotation.deviation(), 3) + " | " + shown(100 * s.share(s.accurate), 2, " %") + " | " +
-                    shown(100 * s.share(s.covered), 1, " %") + " | " + shown(100 * s.share(s.silent), 2, " %") + " | " + shown(s.hz(), 0) + " |\n";
+                    shown(100 * s.share(s.covered), 1, " %") + " | " + shown(100 * s.share(s.silent), 2, " %") + " |\n";
         }
     return text;
+}
+
+//! Frames a second, for the screen.
+inline std::string speedLine(const Results& results)
+{
+    const std::vector<String> methods = methodsOf(results);
+    std::string text;
+    for (size_t i = 0; i < methods.size(); i++)
+    {
+        const Score s = overallScore(results, methods[i]);
+        if (s.seconds > 0)
+            text += (text.empty() ? "\nHz of ToolTracker::update(): " : "; ") + methodTitle(methods[i]) + " " + shown(s.hz(), 0);
+    }
+    return text.empty() ? text : text + "\n";
 }
 
 inline std::string detectionTable(const Results& results)
@@ -179,11 +155,11 @@ inline std::string worstTable(const Results& results)
         for (size_t j = 0; j < results[i]->runs.size(); j++)
         {
             const Run& run = results[i]->runs[j];
-            if (run.worst.image.empty())
+            if (run.picture.empty())
                 continue;
-            const Record& r = run.worst.record;
-            text += results[i]->data.label + ", " + methodTitle(run.method) + format(": frame %d, ", r.frame) +
-                    results[i]->data.tools[r.tool].info.name + format(", %.2f mm, %.3f rad; %d inliers of similarity %.2f", 1e3 * r.translation,
+            const Record& r = run.worst;
+            text += results[i]->label + ", " + methodTitle(run.method) + format(": frame %d, ", r.frame) +
+                    results[i]->tools[r.tool] + format(", %.2f mm, %.3f rad; %d inliers of similarity %.2f", 1e3 * r.translation,
                                                                       r.rotation, r.inliers, r.similarity) +
                     "\n\n![](" + worstName(*results[i], run) + ")\n\n";
         }
@@ -221,9 +197,8 @@ inline void writeReport(const String& filename, const Results& results, const st
         file << (i == 0 ? "Not evaluated:\n\n" : "") + ("- " + failures[i] + "\n") + (i + 1 == failures.size() ? "\n" : "");
     file << "## Errors\n\nMean \xc2\xb1 standard deviation over the frames with a pose (tracking or coasting). Accuracy: share of all frames "
             "whose mean reprojection error is at most 10 px in an image 720 px wide. Silent: share of all frames that claim to be tracking "
-            "and are more than 5 mm off. Hz: of `ToolTracker::update()`, all tools of a frame, the only figures that differ from run to run. "
-            "Two controls look at no image and give a pose in every frame: `recorded`, joint readings and hand-eye calibration as recorded; "
-            "`frozen`, the true correction of the first frame, kept.\n\n"
+            "and are more than 5 mm off. Two controls look at no image and give a pose in every frame: `recorded`, joint readings and hand-eye "
+            "calibration as recorded; `frozen`, the true correction of the first frame, kept.\n\n"
          << scoreTable(results) << "\n![](table.png)\n\n";
     file << "## Detection of parts\n\nShare of the visible keypoints with a template that have a match within so many pixels (of an image "
             "720 px wide) among the best 1 or 5 of their part.\n\n"
@@ -238,10 +213,10 @@ inline void writeReport(const String& filename, const Results& results, const st
          << consistencyTable(results) << "\n";
     for (size_t i = 0; i < results.size(); i++)
         if (hasCovariance(*results[i]))
-            file << "![](error_" + results[i]->data.label + ".png)\n\n![](nees_" + results[i]->data.label + ".png)\n\n";
+            file << "![](error_" + results[i]->label + ".png)\n\n![](nees_" + results[i]->label + ".png)\n\n";
     for (size_t i = 0; i < results.size(); i++)
         if (hasOffsets(*results[i]))
-            file << "![](offsets_" + results[i]->data.label + ".png)\n\n";
+            file << "![](offsets_" + results[i]->label + ".png)\n\n";
     file << "## Worst frames\n\nThe tracked frame whose end effector is farthest off. White: truth, green: estimate; right: twice as large.\n\n"
          << worstTable(results);
     file.finish();

@@ -2,11 +2,14 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
-// What evaluate runs over a sequence: the tracker with a method, or a control that looks at no image; and its errors, frame by frame.
+// What evaluate runs over a sequence: the tracker with a method, or a control that looks at no image; its errors, frame by frame; and
+// a picture of the worst one.
 
 #ifndef OPENCV_SURGTRACK_SAMPLES_EVALUATION_RUNS_HPP
 #define OPENCV_SURGTRACK_SAMPLES_EVALUATION_RUNS_HPP
 
+#include "opencv2/imgcodecs.hpp"
+#include "opencv2/imgproc.hpp"
 #include "evaluation_data.hpp"
 #include "frame_reader.hpp"
 
@@ -45,10 +48,49 @@ struct Run
     std::vector<PoseScore> scores;  //!< a tool; the last: all of them
     int frames;                     //!< of the video
     double seconds;                 //!< in ToolTracker::update(); 0: a control
-    WorstFrame worst;               //!< the tracked frame with the largest translation error
-    Run() : frames(0), seconds(0) {}
+    Record worst;                   //!< the tracked frame with the largest translation error
+    std::vector<uchar> picture;     //!< of it, a PNG file; empty: there is none
+    Run() : frames(0), seconds(0), worst() {}
     bool isControl() const { return method == "recorded" || method == "frozen"; }
 };
+
+inline void drawSkeletons(Mat& image, const CameraModel& camera, const Data& data, const WorstFrame& worst)
+{
+    const Ptr<ToolModel>& model = data.tools[worst.record.tool].model;
+    drawSkeleton(image, camera, model, worst.trueJoints, worst.true_camera_T_base, Scalar(255, 255, 255));
+    drawSkeleton(image, camera, model, worst.joints, worst.camera_T_base, Scalar(0, 255, 0));
+}
+
+/** The frame with truth in white and estimate in green, beside it the surroundings of the tool twice as large. */
+inline Mat overlayOf(const Data& data, const WorstFrame& worst)
+{
+    const CameraModel camera = data.sequence->leftCamera();
+    Mat image = worst.image.clone();
+    if (image.channels() == 1)
+        cvtColor(worst.image, image, COLOR_GRAY2BGR);
+    const Ptr<ToolModel>& model = data.tools[worst.record.tool].model;
+    Mat basePoints;
+    model->keypointPositions(worst.trueJoints, basePoints);
+    Point2d centre;
+    for (int i = 0; i < basePoints.rows; i++)
+    {
+        const Vec4d p = worst.true_camera_T_base * Vec4d(basePoints.at<double>(i, 0), basePoints.at<double>(i, 1), basePoints.at<double>(i, 2), 1);
+        if (p[2] > 1e-3)
+            centre += camera.project(Point3d(p[0], p[1], p[2])) * (1. / basePoints.rows);
+    }
+    const int side = std::min(image.rows, image.cols) / 2;   // the inset, twice that, is as high as a wide frame or lower
+    const Rect crop(std::min(std::max(cvRound(centre.x) - side / 2, 0), image.cols - side),
+                    std::min(std::max(cvRound(centre.y) - side / 2, 0), image.rows - side), side, side);
+    Mat inset;
+    resize(image(crop), inset, Size(), 2, 2, INTER_CUBIC);
+    const Matx33d K(2 * camera.fx, 0, 2 * (camera.cx - crop.x + 0.5) - 0.5, 0, 2 * camera.fy, 2 * (camera.cy - crop.y + 0.5) - 0.5, 0, 0, 1);
+    drawSkeletons(inset, CameraModel(K, camera.distCoeffs(), inset.size()), data, worst);
+    drawSkeletons(image, camera, data, worst);
+    Mat result(image.rows, image.cols + inset.cols, CV_8UC3, Scalar::all(0));
+    image.copyTo(result(Rect(Point(), image.size())));
+    inset.copyTo(result(Rect(image.cols, 0, inset.cols, std::min(inset.rows, image.rows))));
+    return result;
+}
 
 inline Record recordOf(const Data& data, int tool, int frame, int state, const Matx44d& camera_T_tool, const Truth& truth)
 {
@@ -143,6 +185,11 @@ public:
         const StageTime total = tracker_->getTimings().back();
         run_.seconds = total.mean * total.calls;
         score(data_, *scorer_, run_);
+        if (!worst_.image.empty())
+        {
+            run_.worst = worst_.record;
+            imencode(".png", overlayOf(data_, worst_), run_.picture);
+        }
         return run_;
     }
 
@@ -156,7 +203,7 @@ private:
         Record r = recordOf(data_, tool, frame, e.state, e.camera_T_tool, truth);
         addEvidence(e, truth, readings, r);
         run_.records.push_back(r);
-        WorstFrame& worst = run_.worst;
+        WorstFrame& worst = worst_;
         if (!keepWorst_ || e.state != STATE_TRACKING || (!worst.image.empty() && r.translation <= worst.record.translation))
             return;
         worst.record = r;
@@ -174,6 +221,7 @@ private:
     Ptr<ToolTracker> tracker_;
     Ptr<PoseScorer> scorer_;
     Run run_;
+    WorstFrame worst_;
 };
 
 /** @brief A control: a pose in every frame from the recorded joints and a correction that does not change.

@@ -8,17 +8,9 @@
 #define OPENCV_SURGTRACK_SAMPLES_EVALUATION_TABLES_HPP
 
 #include "evaluation_consistency.hpp"
-#include "evaluation_detection.hpp"
+#include "evaluation_result.hpp"
 
 namespace evaluation {
-
-//! All that was found out about a sequence.
-struct Result
-{
-    Data data;
-    std::vector<Run> runs;
-    Detection detection;
-};
 
 typedef std::vector<Ptr<Result> > Results;
 
@@ -40,7 +32,7 @@ inline std::vector<String> methodsOf(const Results& results)
 //! The name of a sequence, or, beyond the last, of all.
 inline String labelOf(const Results& results, size_t index)
 {
-    return index < results.size() ? results[index]->data.label : String("all");
+    return index < results.size() ? results[index]->label : String("all");
 }
 
 inline const Run* find(const Result& result, const String& method)
@@ -103,29 +95,48 @@ inline std::string scoreRow(const String& sequence, const String& tool, const St
 {
     return sequence + "," + tool + "," + method + format(",%d,", s.frames) + cell(s.share(s.covered)) + "," + cell(1e3 * s.translation.mean()) + "," +
            cell(1e3 * s.translation.deviation()) + "," + cell(s.rotation.mean()) + "," + cell(s.rotation.deviation()) + "," +
-           cell(s.share(s.accurate)) + "," + cell(s.share(s.silent)) + "," + cell(s.hz(), 4) + "\n";
+           cell(s.share(s.accurate)) + "," + cell(s.share(s.silent)) + "\n";
 }
 
 inline void writeScores(const String& filename, const Results& results)
 {
     TextFile file(filename);
-    file << "sequence,tool,method,frames,coverage,translation_mean_mm,translation_std_mm,rotation_mean_rad,rotation_std_rad,accuracy,silent,hz\n";
+    file << "sequence,tool,method,frames,coverage,translation_mean_mm,translation_std_mm,rotation_mean_rad,rotation_std_rad,accuracy,silent\n";
     for (size_t i = 0; i < results.size(); i++)
         for (size_t j = 0; j < results[i]->runs.size(); j++)
         {
             const Run& run = results[i]->runs[j];
-            const std::vector<Tool>& tools = results[i]->data.tools;
+            const std::vector<String>& tools = results[i]->tools;
             for (size_t k = 0; k < tools.size() && tools.size() > 1; k++)
             {
                 Score score;
                 score.add(run.scores[k]);
-                file << scoreRow(results[i]->data.label, tools[k].info.name, run.method, score);
+                file << scoreRow(results[i]->label, tools[k], run.method, score);
             }
-            file << scoreRow(results[i]->data.label, "all", run.method, scoreOf(run));
+            file << scoreRow(results[i]->label, "all", run.method, scoreOf(run));
         }
     const std::vector<String> methods = methodsOf(results);
     for (size_t i = 0; i < methods.size(); i++)
         file << scoreRow("all", "all", methods[i], overallScore(results, methods[i]));
+    file.finish();
+}
+
+//! Frames a second: the only figures that differ from run to run, so they have a file of their own.
+inline void writeTimings(const String& filename, const Results& results)
+{
+    TextFile file(filename);
+    file << "sequence,method,frames,seconds,hz\n";
+    const std::vector<String> methods = methodsOf(results);
+    for (size_t i = 0; i <= results.size(); i++)
+        for (size_t j = 0; j < methods.size(); j++)
+        {
+            const Run* run = i < results.size() ? find(*results[i], methods[j]) : 0;
+            if (i < results.size() && !run)
+                continue;
+            const Score s = run ? scoreOf(*run) : overallScore(results, methods[j]);
+            if (s.seconds > 0)
+                file << labelOf(results, i) + "," + methods[j] + format(",%.0f,", s.videoFrames) + cell(s.seconds) + "," + cell(s.hz(), 4) + "\n";
+        }
     file.finish();
 }
 
@@ -237,13 +248,10 @@ inline void writeFrames(const String& filename, const Result& result, const Run&
 {
     static const char* const components[] = { "rx", "ry", "rz", "tx", "ty", "tz" };
     std::vector<String> coordinates;   // of any tool
-    for (size_t i = 0; i < result.data.tools.size(); i++)
-    {
-        const std::vector<String> names = result.data.tools[i].model->coordinateNames();
-        for (size_t j = 0; j < names.size(); j++)
-            if (std::find(coordinates.begin(), coordinates.end(), names[j]) == coordinates.end())
-                coordinates.push_back(names[j]);
-    }
+    for (size_t i = 0; i < result.coordinates.size(); i++)
+        for (size_t j = 0; j < result.coordinates[i].size(); j++)
+            if (std::find(coordinates.begin(), coordinates.end(), result.coordinates[i][j]) == coordinates.end())
+                coordinates.push_back(result.coordinates[i][j]);
     TextFile file(filename);
     file << "frame,time,tool,state,translation_error,rotation_error,axis_x,axis_y,axis_z";
     for (int k = 0; k < 2; k++)
@@ -257,8 +265,8 @@ inline void writeFrames(const String& filename, const Result& result, const Run&
     for (size_t i = 0; i < run.records.size(); i++)
     {
         const Record& r = run.records[i];
-        const ToolModel& model = *result.data.tools[r.tool].model;
-        file << format("%d,", r.frame) + cell(r.time, 9) + "," + result.data.tools[r.tool].info.name + "," +
+        const std::vector<String>& own = result.coordinates[r.tool];
+        file << format("%d,", r.frame) + cell(r.time, 9) + "," + result.tools[r.tool] + "," +
                     (run.isControl() ? String("control") : stateName(r.state)) + "," + cell(r.translation) + "," + cell(r.rotation);
         for (int k = 0; k < 3; k++)
             file << "," + cell(r.axes[k]);
@@ -272,8 +280,8 @@ inline void writeFrames(const String& filename, const Result& result, const Run&
             for (size_t j = 0; j < coordinates.size(); j++)
             {
                 const std::vector<double>& values = k == 0 ? r.offsets : r.trueOffsets;
-                const int index = model.coordinateIndex(coordinates[j]);
-                file << "," + (index >= 0 && index < (int)values.size() ? cell(values[index]) : std::string());
+                const size_t index = std::find(own.begin(), own.end(), coordinates[j]) - own.begin();
+                file << "," + (index < own.size() && index < values.size() ? cell(values[index]) : std::string());
             }
         file << "\n";
     }

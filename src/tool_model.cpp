@@ -139,6 +139,13 @@ std::vector<double> ToolModel::offsetDeviations() const
     return deviations;
 }
 
+int ToolModel::linkMesh(int link) const
+{
+    CV_CheckGE(link, 0, "link: of the tool");
+    CV_CheckLT(link, (int)description_.links.size(), "link: of the tool");
+    return description_.links[link].mesh;
+}
+
 void ToolModel::getMesh(int index, OutputArray vertices, OutputArray triangles) const
 {
     CV_CheckGE(index, 0, "index: of a mesh");
@@ -179,6 +186,14 @@ Matx44d ToolModel::endEffectorFromLinks(const std::vector<Matx44d>& base_T_link)
 {
     CV_CheckEQ(base_T_link.size(), description_.links.size(), "base_T_link: one per link");
     return base_T_link[description_.endEffectorLink] * description_.link_T_endEffector;
+}
+
+Mat ToolModel::linkPoses(InputArray joints) const
+{
+    std::vector<Matx44d> base_T_link;
+    forwardKinematics(joints, base_T_link);
+    const int sizes[] = { (int)base_T_link.size(), 4, 4 };
+    return Mat(3, sizes, CV_64F, base_T_link.data()).clone();
 }
 
 Matx44d ToolModel::endEffectorPose(InputArray joints) const

@@ -131,6 +131,11 @@ TEST(SurgTrack_ToolModel, readsLinksInAnyOrder)
     tool->forwardKinematics(std::vector<double>{ CV_PI / 2, 0.3 }, base_T_link);
     const Matx44d arm(0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0.6, 0, 0, 0, 1);
     EXPECT_LT(cv::norm(base_T_link[1] - arm), 1e-15);   // rounding
+    const Mat poses = tool->linkPoses(std::vector<double>{ CV_PI / 2, 0.3 });
+    ASSERT_EQ(3, poses.dims);
+    EXPECT_EQ((std::vector<int>{ 3, 4, 4 }), std::vector<int>(poses.size.p, poses.size.p + 3));
+    for (int i = 0; i < 3; ++i)
+        EXPECT_EQ(0, cv::norm(Matx44d(poses.ptr<double>(i)), base_T_link[i])) << "the same numbers";
     EXPECT_LT(cv::norm(tool->endEffectorPose(std::vector<float>{ 0.5f, 0.25f }) - tool->endEffectorPose(Matx12d(0.5, 0.25))), 1e-15);
 
     Mat vertices, triangles;
@@ -145,6 +150,10 @@ TEST(SurgTrack_ToolModel, readsLinksInAnyOrder)
     EXPECT_EQ(6, high);   // mesh_scale 0.5 of 2
     EXPECT_THROW(tool->getMesh(1, vertices, triangles), cv::Exception);
     EXPECT_THROW(tool->getMesh(-1, vertices, triangles), cv::Exception);
+    EXPECT_EQ(0, tool->linkMesh(0));
+    EXPECT_EQ(-1, tool->linkMesh(1));
+    EXPECT_THROW(tool->linkMesh(3), cv::Exception);
+    EXPECT_THROW(tool->linkMesh(-1), cv::Exception);
 }
 
 TEST(SurgTrack_ToolModel, theWristsOffsetsAreUnknownUnlessTheFileSaysOtherwise)

@@ -32,9 +32,13 @@ public:
     @throws cv::Exception for any other shape, for non-finite values and for a focal length that is not positive */
     CV_WRAP CameraModel(InputArray cameraMatrix, InputArray distCoeffs, Size imageSize);
 
+    /** @brief 3x3, [pixel]. */
     CV_WRAP Matx33d cameraMatrix() const;
-    CV_WRAP Mat distCoeffs() const;        //!< 1x12 CV_64F, zeros where nothing was given
+    /** @brief 1x12 CV_64F, zeros where nothing was given. */
+    CV_WRAP Mat distCoeffs() const;
+    /** @brief Width and height [pixel]. */
     CV_WRAP Size imageSize() const { return size_; }
+    /** @brief Whether one of the coefficients is not 0. */
     CV_WRAP bool hasDistortion() const { return distorted_; }
 
     /** Projects one point of the camera frame [m] to the image [pixel].
@@ -42,7 +46,8 @@ public:
     @param jacobian if given, d(u, v) / d(x, y, z) */
     Point2d project(const Point3d& viewPoint, Matx23d* jacobian = 0) const;
 
-    /** @param viewPoints N points of the camera frame, N x 3 or 3-channel, floating [m]
+    /** @brief Projects points of the camera frame to the image.
+    @param viewPoints N points of the camera frame, N x 3 or 3-channel, floating [m]
     @param imagePoints N x 1 CV_64FC2 [pixel]; NaN where a point is not in front of the camera */
     CV_WRAP void projectPoints(InputArray viewPoints, OutputArray imagePoints) const;
 

@@ -34,10 +34,12 @@ public:
         CV_PROP_RW int seed;              //!< of the sampling
     };
 
+    /** @param params zones and limits */
     CV_WRAP static Ptr<GeometricContextVerifier> create(const GeometricContextVerifier::Params& params = GeometricContextVerifier::Params());
     virtual ~GeometricContextVerifier() {}
 
-    /** @param matches candidates of one tool, sorted by falling similarity
+    /** @brief Keeps what agrees.
+    @param matches candidates of one tool, sorted by falling similarity
     @param inliers those that agree, at most one a part, sorted by part; empty after false
     @return whether at least Params::minInliers agree */
     CV_WRAP virtual bool verify(const std::vector<PartMatch>& matches, CV_OUT std::vector<PartMatch>& inliers) = 0;

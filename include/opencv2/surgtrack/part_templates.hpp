@@ -32,7 +32,7 @@ struct CV_EXPORTS_W_SIMPLE PartTemplate
     CV_PROP Rect bounds;           //!< of the features, relative to the anchor [pixel]
     std::vector<TemplateFeature> features;
 
-    //! Features as N x 3 CV_32S: x, y, bin.
+    /** @brief Features as N x 3 CV_32S: x and y from the anchor [pixel], bin of the orientation, 0..7. */
     CV_WRAP Mat getFeatures() const;
 };
 
@@ -62,6 +62,8 @@ public:
         CV_PROP_RW double tipDepthSlack;        //!< the same for keypoints on the last links of the chain (tips) [m]; 0.003, as the paper's release
     };
 
+    /** @param renderer draws the tools; none: MeshRenderer::createSoftware()
+    @param params sizes and thresholds */
     CV_WRAP static Ptr<PartTemplateRenderer> create(const Ptr<MeshRenderer>& renderer = Ptr<MeshRenderer>(),
                                                     const PartTemplateRenderer::Params& params = PartTemplateRenderer::Params());
     virtual ~PartTemplateRenderer() {}

@@ -28,19 +28,30 @@ The format is described in doc/formats.md. Frame k is at time k / fps. Keys and 
 class CV_EXPORTS_W Sequence
 {
 public:
-    /** @param folder the folder, or its sequence.yaml
+    /** @brief Reads a sequence; videos are not opened.
+    @param folder the folder, or its sequence.yaml
     @throws cv::Exception naming file, key or line and what was expected */
     CV_WRAP static Ptr<Sequence> load(const String& folder);
 
+    /** @brief The key `name`, or else the folder's name. */
     CV_WRAP String name() const { return name_; }
+    /** @brief Frames a second. */
     CV_WRAP double fps() const { return fps_; }
+    /** @brief The left camera, or the only one. */
     CV_WRAP CameraModel leftCamera() const { return left_; }
-    CV_WRAP CameraModel rightCamera() const { return right_; }         //!< empty size if mono
-    CV_WRAP String leftVideo() const { return leftVideo_; }            //!< path; may lie outside the folder
-    CV_WRAP String rightVideo() const { return rightVideo_; }          //!< empty if mono
+    /** @brief The right camera; of size 0 x 0 if there is one camera. */
+    CV_WRAP CameraModel rightCamera() const { return right_; }
+    /** @brief Path of the left video; may lie outside the folder. */
+    CV_WRAP String leftVideo() const { return leftVideo_; }
+    /** @brief Path of the right video; empty if there is one camera. */
+    CV_WRAP String rightVideo() const { return rightVideo_; }
+    /** @brief Pose of the left camera in the frame of the right one [m]. */
     CV_WRAP Matx44d right_T_left() const { return right_T_left_; }
+    /** @brief Whether there are two cameras. */
     CV_WRAP bool isStereo() const { return !rightVideo_.empty(); }
+    /** @brief Number of tools. */
     CV_WRAP int toolCount() const { return (int)tools_.size(); }
+    /** @brief What is known of a tool. @param index 0 to toolCount() - 1 */
     CV_WRAP SequenceTool tool(int index) const;
 
     /** @brief Joint readings at a time, linearly interpolated between the two nearest records.
@@ -53,13 +64,15 @@ public:
     CV_WRAP bool jointsAt(int tool, double time, CV_OUT std::vector<double>& joints,
                           const std::vector<String>& coordinates = std::vector<String>()) const;
 
-    //! Names of the joint columns of kinematics.csv: all but `time` and `tool`.
+    /** @brief Names of the joint columns of kinematics.csv: all but `time` and `tool`. */
     CV_WRAP std::vector<String> jointNames() const { return jointNames_; }
 
-    //! Time of a tool's first and last joint reading [s].
+    /** @brief Time of a tool's first joint reading [s]. */
     CV_WRAP double firstTime(int tool) const;
+    /** @brief Time of a tool's last joint reading [s]. */
     CV_WRAP double lastTime(int tool) const;
 
+    /** @brief Path of kinematics.csv. */
     CV_WRAP String kinematicsFile() const { return kinematicsFile_; }
 
     /** @brief Ground truth of a frame.
@@ -69,9 +82,9 @@ public:
     @param joints true joint values in the order of jointNames(); empty if the file lacks one of these columns
     @return false if there is none for this frame; the outputs are then unchanged */
     CV_WRAP bool groundTruth(int tool, int frame, CV_OUT Matx44d& camera_T_tool, CV_OUT std::vector<double>& joints) const;
-    //! Whether the folder has a groundtruth.csv.
+    /** @brief Whether the folder has a groundtruth.csv. */
     CV_WRAP bool hasGroundTruth() const;
-    //! One more than the last frame with ground truth; 0 without.
+    /** @brief One more than the last frame with ground truth; 0 without. */
     CV_WRAP int groundTruthEnd() const;
 
 private:
@@ -99,7 +112,8 @@ Each row is flushed, so that what was written is complete and readable whatever 
 class CV_EXPORTS_W PoseWriter
 {
 public:
-    /** @param filename is overwritten
+    /** @brief Begins a file.
+    @param filename is overwritten
     @param extraColumns names of further columns
     @throws cv::Exception naming the file if it can't be written */
     CV_WRAP static Ptr<PoseWriter> create(const String& filename, const std::vector<String>& extraColumns = std::vector<String>());
@@ -135,7 +149,8 @@ struct CV_EXPORTS_W_SIMPLE PoseScore
 class CV_EXPORTS_W PoseScorer
 {
 public:
-    /** @param camera of the image the reprojection error is taken in; its distortion is left out
+    /** @brief A scorer without poses yet.
+    @param camera of the image the reprojection error is taken in; its distortion is left out
     @param tools number of tools */
     CV_WRAP static Ptr<PoseScorer> create(const CameraModel& camera, int tools);
     virtual ~PoseScorer() {}
@@ -147,7 +162,7 @@ public:
     @param true_camera_T_tool truth */
     CV_WRAP virtual void add(int tool, int state, const Matx44d& camera_T_tool, const Matx44d& true_camera_T_tool) = 0;
 
-    //! @param tool index; -1 = all tools together
+    /** @brief The score so far. @param tool index; -1 = all tools together */
     CV_WRAP virtual PoseScore score(int tool = -1) const = 0;
 };
 

@@ -36,27 +36,34 @@ public:
         CV_PROP_RW bool stereo;                //!< a right image, 5.2 mm beside the left one
     };
 
-    /** @param model the tool all arms carry; empty = ToolModel::needleDriver(); needs the coordinates q1..q6 and jaw
+    /** @brief A scene from its seed.
+    @param model the tool all arms carry; empty = ToolModel::needleDriver(); needs the coordinates q1..q6 and jaw
     @param params options */
     CV_WRAP static Ptr<SyntheticScene> create(const Ptr<ToolModel>& model = Ptr<ToolModel>(),
                                               const SyntheticScene::Params& params = SyntheticScene::Params());
     virtual ~SyntheticScene() {}
 
+    /** @brief Number of arms. */
     CV_WRAP virtual int toolCount() const = 0;
+    /** @brief Params::frames. */
     CV_WRAP virtual int frameCount() const = 0;
+    /** @brief The tool that all arms carry. */
     CV_WRAP virtual Ptr<ToolModel> model() const = 0;
+    /** @brief One of the cameras. @param right the right one of a stereo scene */
     CV_WRAP virtual CameraModel camera(bool right = false) const = 0;
+    /** @brief Pose of the left camera in the frame of the right one [m]. */
     CV_WRAP virtual Matx44d right_T_left() const = 0;
 
-    //! The recorded, wrong, hand-eye calibration of an arm.
+    /** @brief The recorded, wrong, hand-eye calibration of an arm. */
     CV_WRAP virtual Matx44d nominal_T_base(int tool) const = 0;
-    //! The true one (left camera).
+    /** @brief The true hand-eye calibration of an arm (left camera). */
     CV_WRAP virtual Matx44d camera_T_base(int tool) const = 0;
 
-    //! Joints at a time [s]: the true ones, or as the robot reads them. One value per coordinate [rad or m].
+    /** @brief True joints at a time [s]: one value per coordinate [rad or m]. */
     CV_WRAP virtual std::vector<double> trueJoints(int tool, double time) const = 0;
+    /** @brief Joints at a time [s] as the robot reads them: one value per coordinate [rad or m]. */
     CV_WRAP virtual std::vector<double> recordedJoints(int tool, double time) const = 0;
-    //! camera_T_tool, exact (left camera).
+    /** @brief camera_T_tool, exact (left camera). @param tool index @param time [s] */
     CV_WRAP virtual Matx44d truePose(int tool, double time) const = 0;
 
     /** @brief Draws a frame.

@@ -97,14 +97,18 @@ public:
     /** @brief Writes the tool file, and its meshes as PLY into the folder `meshes` beside it. */
     CV_WRAP void save(const String& filename) const;
 
+    /** @brief The tool's name. */
     CV_WRAP String name() const { return description_.name; }
+    /** @brief Names of the coordinates, in the order of all `joints` arguments. */
     CV_WRAP std::vector<String> coordinateNames() const { return description_.coordinates; }
+    /** @brief Names of the links, parents before their children. */
     CV_WRAP std::vector<String> linkNames() const;
+    /** @brief Names of the keypoints, in the order of keypointPositions(). */
     CV_WRAP std::vector<String> keypointNames() const;
     const std::vector<Link>& links() const { return description_.links; }
     const std::vector<Mesh>& meshes() const { return description_.meshes; }
     const std::vector<Keypoint>& keypoints() const { return description_.keypoints; }
-    //! Index of the coordinate, or -1.
+    /** @brief Index of the coordinate, or -1. */
     CV_WRAP int coordinateIndex(const String& name) const;
 
     int endEffectorLink() const { return description_.endEffectorLink; }
@@ -114,17 +118,27 @@ public:
     by default 0.03 rad for revolute joints beyond one that slides, and 0 for all others. */
     CV_WRAP std::vector<double> offsetDeviations() const;
 
-    /** @param index mesh index
+    /** @brief A mesh.
+    @param index mesh index, see linkMesh()
     @param vertices V x 3 CV_32F [m], in the frame of its link
     @param triangles T x 3 CV_32S */
     CV_WRAP void getMesh(int index, OutputArray vertices, OutputArray triangles) const;
+
+    /** @brief The mesh that a link carries: an index for getMesh(), or -1. @param link index */
+    CV_WRAP int linkMesh(int link) const;
 
     /** @brief Poses of all links.
     @param joints one value per coordinate [rad or m], finite
     @param base_T_link one per link */
     void forwardKinematics(InputArray joints, std::vector<Matx44d>& base_T_link) const;
 
-    /** @param joints one value per coordinate [rad or m]
+    /** @brief Poses of all links, as an array.
+    @param joints one value per coordinate [rad or m], finite
+    @return base_T_link, L x 4 x 4 CV_64F, in the order of linkNames() */
+    CV_WRAP Mat linkPoses(InputArray joints) const;
+
+    /** @brief The end effector's pose.
+    @param joints one value per coordinate [rad or m]
     @return base_T_tool, the end effector's pose in the base frame */
     CV_WRAP Matx44d endEffectorPose(InputArray joints) const;
 

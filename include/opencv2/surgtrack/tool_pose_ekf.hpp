@@ -23,8 +23,9 @@ camera_T_nominal = (Rot_z(theta_z) Rot_y(theta_y) Rot_x(theta_x), r)
 CV_EXPORTS_W void projectKeypoints(const CameraModel& camera, InputArray state, InputArray nominalPoints, OutputArray imagePoints,
                                    OutputArray jacobian = noArray());
 
-/** @brief camera_T_nominal of a state (theta_x, theta_y, theta_z, r_x, r_y, r_z), and back. */
+/** @brief camera_T_nominal of a state (theta_x, theta_y, theta_z [rad], r_x, r_y, r_z [m]). */
 CV_EXPORTS_W Matx44d correctionFromState(InputArray state);
+/** @brief The state, 6 x 1 CV_64F, of a camera_T_nominal: the inverse of correctionFromState(). */
 CV_EXPORTS_W void stateFromCorrection(const Matx44d& camera_T_nominal, OutputArray state);
 
 /** @brief EPnP on verified matches: the paper's start, and its per-frame baseline.
@@ -56,13 +57,15 @@ public:
         CV_PROP_RW int minPoints;               //!< with fewer points inside the gate nothing is updated; default 1
     };
 
+    /** @param camera intrinsics and distortion
+    @param params noise and gate */
     CV_WRAP static Ptr<ToolPoseEKF> create(const CameraModel& camera, const ToolPoseEKF::Params& params = ToolPoseEKF::Params());
     virtual ~ToolPoseEKF() {}
 
-    //! Starts anew from a correction (the unit matrix: the hand-eye calibration itself) with the initial covariance.
+    /** @brief Starts anew from a correction (the unit matrix: the hand-eye calibration itself) with the initial covariance. */
     CV_WRAP virtual void reset(const Matx44d& camera_T_nominal) = 0;
 
-    //! One frame passes: P grows by Q.
+    /** @brief One frame passes: P grows by Q. */
     CV_WRAP virtual void predict() = 0;
 
     /** @brief Takes in measured keypoints.
@@ -72,10 +75,13 @@ public:
     @return whether the state was updated; false if fewer than Params::minPoints passed or the innovation covariance is singular: nothing changes then */
     CV_WRAP virtual bool correct(InputArray nominalPoints, InputArray imagePoints, OutputArray used = noArray()) = 0;
 
-    CV_WRAP virtual Matx44d correction() const = 0;         //!< camera_T_nominal
-    CV_WRAP virtual Mat state() const = 0;                  //!< 6 x 1 CV_64F
-    CV_WRAP virtual Mat covariance() const = 0;             //!< 6 x 6 CV_64F, order of the state
-    //! Normalised innovation squared of the last correct(), per degree of freedom; 0 before the first.
+    /** @brief camera_T_nominal. */
+    CV_WRAP virtual Matx44d correction() const = 0;
+    /** @brief 6 x 1 CV_64F, see projectKeypoints(). */
+    CV_WRAP virtual Mat state() const = 0;
+    /** @brief 6 x 6 CV_64F, order of the state. */
+    CV_WRAP virtual Mat covariance() const = 0;
+    /** @brief Normalised innovation squared of the last correct(), per degree of freedom; 0 before the first. */
     CV_WRAP virtual double nis() const = 0;
 
     /** @brief Covariance of where a keypoint will be seen, H P H^T [pixel^2], without measurement noise. */

@@ -97,6 +97,35 @@ class surgtrack_test(NewOpenCVTests):
             difference = (self.model.keypointPositions(moved)[0] - points).ravel() / step
             np.testing.assert_allclose(jacobian[:, c], difference, atol=1e-6)   # forward difference: step * curvature / 2
 
+    def test_links_and_their_meshes_are_in_place(self):
+        poses = self.model.linkPoses(self.joints)
+        names = self.model.linkNames()
+        self.assertEqual((poses.shape, poses.dtype), ((len(names), 4, 4), np.float64))
+        np.testing.assert_array_equal(poses[:, 3], np.tile([0, 0, 0, 1], (len(names), 1)))
+        np.testing.assert_allclose(poses[:, :3, :3] @ poses[:, :3, :3].transpose(0, 2, 1), np.tile(np.eye(3), (len(names), 1, 1)), atol=1e-12)   # rounding
+        meshes = [self.model.linkMesh(link) for link in range(len(names))]
+        self.assertTrue(-1 in meshes and max(meshes) > 0)
+        # The nearest point of the meshes, placed by hand, is as far away as the drawing says.
+        camera_T_link = self.camera_T_base() @ poses
+        nearest = min((camera_T_link[link] @ np.c_[self.model.getMesh(mesh)[0], np.ones(len(self.model.getMesh(mesh)[0]))].T)[2].min()
+                      for link, mesh in enumerate(meshes) if mesh >= 0)
+        depth = st.MeshRenderer.createSoftware().renderTool(self.model, self.joints, self.camera_T_base(), self.camera)[0]
+        self.assertLess(nearest, depth[depth > 0].min() + 1e-6)   # float
+        for bad in (-1, len(names)):
+            with self.assertRaises(cv.error):
+                self.model.linkMesh(bad)
+        with self.assertRaises(cv.error):
+            self.model.linkPoses(np.zeros(3))
+
+    def test_everything_public_is_documented(self):
+        for owner in [st] + [value for value in vars(st).values() if isinstance(value, type)]:
+            for name, value in vars(owner).items():
+                if name.startswith('_') or not callable(value) or isinstance(value, type) or '_' in name and owner is st and name.split('_')[0] in vars(st):
+                    continue
+                signature, _, text = (value.__doc__ or '').partition('\n')
+                if name not in ('create', 'resetTimings', 'stateName'):   # of these the signature says it, or the class
+                    self.assertGreater(len(text), 10, '%s.%s: %s' % (owner.__name__, name, signature))
+
     def test_tool_model_saves_and_loads(self):
         self.model.save(self.path('tool.yaml'))
         loaded = st.ToolModel.load(self.path('tool.yaml'))

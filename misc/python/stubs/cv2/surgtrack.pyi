@@ -1,0 +1,1246 @@
+# This file is part of OpenCV project.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution and at http://opencv.org/license.html.
+# Made by misc/python/make_stubs.py: do not edit.
+"""3D tracking of articulated surgical tools
+
+Finds the pose of articulated tools in the endoscope's camera from video, CAD model and joint readings, although the hand-eye
+calibration is wrong by millimetres and degrees. Implements [ye2016realtime], and on top of it (METHOD_FULL, the default)
+errors of the joint readings, outlines, a second eye and a verdict on every pose.
+
+Data flows one way through the stages; the correction found in frame t-1 is the only thing that goes back, into the view of
+frame t:
+
+    ToolModel ---+                                                                   +-> ToolPoseEKF (METHOD_PAPER) --------+
+                 +-> PartTemplateRenderer -> QGOMatcher -> GeometricContextVerifier -+-> solveEPnP() (METHOD_EPNP) ---------+-> estimate
+    MeshRenderer +           |                                                       +-> ArticulatedPoseEKF (METHOD_FULL) --+
+                             |                                                              |                 ^
+                             |                                            pose of the parts |                 | edges on normals
+                             |                                                              v                 |
+                             +-> ToolContour: outline of the drawing -------------> placeContour() -> matchContour()
+    |<------------------------------------------ ToolTracker: all of it, per frame ------------------------------------------->|
+
+METHOD_FULL runs the upper row once for each eye; one filter takes in the points and edges of all of them. Beside the pose it
+reports evidence that the filter does not have: how similar the parts are, and how much of the outline is where it should be.
+
+**Frames.** `base`: the arm's remote centre of motion. `tool`: the end effector of the tool file. `nominal`: where the hand-eye
+calibration believes the camera is. `camera`: x right, y down, z forward. `a_T_b` maps coordinates in b to coordinates in a:
+
+    camera_T_tool = camera_T_nominal * nominal_T_base * base_T_tool(joints)
+
+and `camera_T_nominal`, the correction, is what is sought. METHOD_FULL seeks the joints' errors as well: there `joints` are the
+readings plus ToolEstimate.jointOffsets. With a right camera all poses are in the frame of the left one.
+
+**Units.** Metres, radians, seconds, pixels. Pixel (0, 0) is the centre of the top-left pixel."""
+
+from typing import Any, Optional, Sequence as _Sequence, Tuple, Union, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+ToolModel_JOINT_FIXED: int
+ToolModel_JOINT_REVOLUTE: int
+ToolModel_JOINT_PRISMATIC: int
+METHOD_PAPER: int
+"""[ye2016realtime] as published: six-state filter on the hand-eye correction"""
+METHOD_EPNP: int
+"""the paper's baseline: EPnP on the matches of each frame alone"""
+METHOD_FULL: int
+"""beyond the paper: joint offsets, outlines, both eyes, pushes of the camera, and evidence from parts and outline"""
+STATE_INITIALIZING: int
+"""no confirmed pose yet: that of the kinematics, or a first measurement"""
+STATE_TRACKING: int
+"""the pose was measured in this frame"""
+STATE_COASTING: int
+"""nothing was measured for a short while: kinematics with the last correction"""
+STATE_LOST: int
+"""the pose must not be used"""
+
+class CameraModel:
+    """A calibrated camera: intrinsics, lens distortion and image size.
+
+    Everything in the module works in the image as the camera delivers it: keypoints are projected, templates drawn and
+    measurements taken with fx != fy and with distortion; no image is ever undistorted.
+
+    Camera frame: x right, y down, z forward. Pixel (0, 0) is the centre of the top-left pixel.
+    """
+    @overload
+    def __init__(self) -> None:
+        """An empty camera: imageSize() is 0 x 0."""
+        ...
+    @overload
+    def __init__(self, cameraMatrix: NDArray[Any], distCoeffs: NDArray[Any], imageSize: Tuple[int, int]) -> None:
+        """cameraMatrix: 3x3, any floating type, [pixel]; the skew is 0 and the last row 0 0 1
+        distCoeffs: 0, 4, 5, 8 or 12 coefficients in OpenCV's order (k1, k2, p1, p2[, k3[, k4, k5, k6[, s1..s4]]])
+        imageSize: width and height [pixel]
+        Raises cv2.error for any other shape, for non-finite values and for a focal length that is not positive
+        """
+        ...
+    def cameraMatrix(self) -> NDArray[np.float64]:
+        """3x3, [pixel]."""
+        ...
+    def distCoeffs(self) -> NDArray[Any]:
+        """1x12 CV_64F, zeros where nothing was given."""
+        ...
+    def imageSize(self) -> Tuple[int, int]:
+        """Width and height [pixel]."""
+        ...
+    def hasDistortion(self) -> bool:
+        """Whether one of the coefficients is not 0."""
+        ...
+    def projectPoints(self, viewPoints: NDArray[Any], imagePoints: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
+        """Projects points of the camera frame to the image.
+
+        viewPoints: N points of the camera frame, N x 3 or 3-channel, floating [m]
+        imagePoints: N x 1 CV_64FC2 [pixel]; NaN where a point is not in front of the camera
+        """
+        ...
+    def unprojectPoints(self, imagePoints: NDArray[Any], rays: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
+        """The inverse: viewing rays of image points.
+
+        imagePoints: N points, N x 2 or 2-channel, floating [pixel]
+        rays: N x 1 CV_64FC2, (x / z, y / z)
+        """
+        ...
+
+class ToolModel:
+    """An articulated tool: links and joints, meshes, and the keypoints that name its parts. Immutable.
+
+    The links form a tree. A link's pose in its parent is the modified (Craig) Denavit-Hartenberg transform
+    `parent_T_link = Rot_x(alpha) Trans_x(a) Rot_z(theta) Trans_z(d)`; a joint adds `scale * coordinate` to theta (revolute,
+    [rad]) or to d (prismatic, [m]). Several joints may share a coordinate, as the two jaws do.
+
+    The tool file (cv2.FileStorage: YAML, XML or JSON) is described in doc/formats.md.
+    """
+    @staticmethod
+    def load(filename: str, maxTriangles: int = ...) -> ToolModel:
+        """Reads a tool file and its meshes (paths relative to the tool file).
+
+        filename: YAML, XML or JSON
+        maxTriangles: a tool with more triangles than this is decimated, all meshes to the same closeness; 0 = never
+        Raises cv2.error naming the file, the key and what was expected
+        """
+        ...
+    @staticmethod
+    def needleDriver() -> ToolModel:
+        """The built-in tool: an 8 mm wristed needle driver drawn from its dimensions (shaft radius 4.2 mm, pitch to yaw
+        axis 9.1 mm, yaw axis to tip 9.65 mm) on the kinematics of a patient side manipulator, with 14 keypoints.
+        """
+        ...
+    def save(self, filename: str) -> None:
+        """Writes the tool file, and its meshes as PLY into the folder `meshes` beside it."""
+        ...
+    def name(self) -> str:
+        """The tool's name."""
+        ...
+    def coordinateNames(self) -> Tuple[str, ...]:
+        """Names of the coordinates, in the order of all `joints` arguments."""
+        ...
+    def linkNames(self) -> Tuple[str, ...]:
+        """Names of the links, parents before their children."""
+        ...
+    def keypointNames(self) -> Tuple[str, ...]:
+        """Names of the keypoints, in the order of keypointPositions()."""
+        ...
+    def coordinateIndex(self, name: str) -> int:
+        """Index of the coordinate, or -1."""
+        ...
+    def offsetDeviations(self) -> NDArray[np.float64]:
+        """How wrong joint readings may be: prior standard deviation of a constant offset, one per coordinate [rad or m]; 0 = exact,
+        or not to be told from an error of the hand-eye calibration. What the links of a coordinate state (Link.offsetDeviation);
+        by default 0.03 rad for revolute joints beyond one that slides, and 0 for all others.
+        """
+        ...
+    def getMesh(self, index: int, vertices: Optional[NDArray[Any]] = ..., triangles: Optional[NDArray[Any]] = ...) -> Tuple[NDArray[Any], NDArray[Any]]:
+        """A mesh.
+
+        index: mesh index, see linkMesh()
+        vertices: V x 3 CV_32F [m], in the frame of its link
+        triangles: T x 3 CV_32S
+        """
+        ...
+    def linkMesh(self, link: int) -> int:
+        """The mesh that a link carries: an index for getMesh(), or -1.
+
+        link: index
+        """
+        ...
+    def linkPoses(self, joints: NDArray[Any]) -> NDArray[Any]:
+        """Poses of all links, as an array.
+
+        joints: one value per coordinate [rad or m], finite
+        Returns: base_T_link, L x 4 x 4 CV_64F, in the order of linkNames()
+        """
+        ...
+    def endEffectorPose(self, joints: NDArray[Any]) -> NDArray[np.float64]:
+        """The end effector's pose.
+
+        joints: one value per coordinate [rad or m]
+        Returns: base_T_tool, the end effector's pose in the base frame
+        """
+        ...
+    def keypointPositions(self, joints: NDArray[Any], basePoints: Optional[NDArray[Any]] = ..., jacobian: Optional[NDArray[Any]] = ...) -> Tuple[NDArray[Any], NDArray[Any]]:
+        """Keypoints in the base frame.
+
+        joints: one value per coordinate [rad or m]
+        basePoints: K x 3 CV_64F [m]
+        jacobian: if wanted, 3K x C CV_64F: d(basePoints) / d(coordinates), rows x, y, z of keypoint 0, then of keypoint 1, ...
+        """
+        ...
+
+class MeshRenderer:
+    """Draws meshes as the camera would see them: with its intrinsics, its distortion, and hiding each other.
+
+    Derive from it to bring a renderer of your own. Not thread-safe: one renderer for each thread.
+    """
+    @staticmethod
+    def createSoftware() -> MeshRenderer:
+        """The default: a z-buffer on the CPU. Needs no display; its result does not depend on the vector instructions there are."""
+        ...
+    @staticmethod
+    def createVTK() -> MeshRenderer:
+        """VTK / OpenGL, off screen: through an X server if DISPLAY names one, else X-free through EGL.
+
+        Raises cv2.error (StsNotImplemented) if there is neither
+        """
+        ...
+    def renderTool(self, tool: ToolModel, joints: NDArray[Any], camera_T_base: NDArray[np.float64], camera: CameraModel, depth: Optional[NDArray[Any]] = ..., ids: Optional[NDArray[Any]] = ..., shading: Optional[NDArray[Any]] = ...) -> Tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+        """Draws one tool into a whole image.
+
+        tool: its meshes are added on the first call
+        joints: one value per coordinate of the tool [rad or m]
+        camera_T_base: the arm's base in the camera frame
+        camera: intrinsics and distortion
+        depth: CV_32FC1 [m], 0 where there is nothing
+        ids: CV_8UC1, 1 + index of the link, 0 where there is nothing
+        shading: CV_8UC1
+        """
+        ...
+
+class PartTemplate:
+    """How a part of a tool should look around its keypoint (paper, Sec. 2.1)."""
+    def __init__(self) -> None: ...
+    @property
+    def tool(self) -> int:
+        """index of the tool"""
+        ...
+    @property
+    def part(self) -> int:
+        """index of the keypoint"""
+        ...
+    @property
+    def imagePoint(self) -> Tuple[float, float]:
+        """where the keypoint is expected [pixel]"""
+        ...
+    @property
+    def anchor(self) -> Tuple[int, int]:
+        """imagePoint, rounded"""
+        ...
+    @property
+    def viewPoint(self) -> Tuple[float, float, float]:
+        """the keypoint in the camera frame the template was drawn in [m]"""
+        ...
+    @property
+    def bounds(self) -> Tuple[int, int, int, int]:
+        """of the features, relative to the anchor [pixel]"""
+        ...
+    def getFeatures(self) -> NDArray[Any]:
+        """Features as N x 3 CV_32S: x and y from the anchor [pixel], bin of the orientation, 0..7."""
+        ...
+
+class PartTemplateRenderer:
+    """Cuts part templates from a drawing of the tools (paper, Sec. 2.1).
+
+    All tools are in one drawing, so that they hide each other. A keypoint gets a template if it lies in the image and the depth
+    map does not hide it. The template's box has a fixed size on the tool, so its size in the image follows the depth.
+    """
+    class Params:
+        def __init__(self) -> None: ...
+        boxSize: float
+        """side of the box on the tool [m]; default 0.011"""
+        minFeatures: int
+        """a template with fewer is dropped; default 30"""
+        maxFeatures: int
+        """features kept, spread over the box; default 250 (paper's release: 63)"""
+        magnitudeThreshold: float
+        """see quantizeOrientations(); default 80 (paper's release: 50): the gentle shading of a round shaft is no edge in an image"""
+        depthSlack: float
+        """a keypoint this far behind the drawn surface is visible [m]; 0.001, as the paper's release"""
+        wholeTool: bool
+        """rendering() shows the tool as far as it lies in the image, not only its parts; default false"""
+        tipDepthSlack: float
+        """the same for keypoints on the last links of the chain (tips) [m]; 0.003, as the paper's release"""
+
+    @staticmethod
+    def create(renderer: Optional[MeshRenderer] = ..., params: PartTemplateRenderer.Params = ...) -> PartTemplateRenderer:
+        """renderer: draws the tools; none: MeshRenderer.createSoftware()
+        params: sizes and thresholds
+        """
+        ...
+    def addTool(self, model: ToolModel) -> int:
+        """Adds a tool.
+
+        Returns: its index
+        """
+        ...
+    def renderTool(self, camera: CameraModel, camera_T_base: NDArray[np.float64], joints: NDArray[Any], scale: float = ..., rotation: float = ...) -> Tuple[PartTemplate, ...]:
+        """The same for a single tool, from its joints.
+
+        camera: intrinsics and distortion
+        camera_T_base: pose of the arm's base in the camera frame; the model is that of index 0
+        joints: one value per coordinate [rad or m]
+        scale: see render()
+        rotation: see render()
+        """
+        ...
+
+def quantizeOrientations(image: NDArray[Any], orientations: Optional[NDArray[Any]] = ..., magnitudeThreshold: float = ...) -> NDArray[Any]:
+    """Quantised gradient orientations (QGO) of an image (paper, Sec. 2.1; [hinterstoisser2012gradient]).
+
+    Blur (7x7, sigma 1.41), 3x3 Sobel in the channel whose gradient is strongest (largest |gx| + |gy|), direction modulo 180 degrees in eight bins of
+    22.5 degrees (bin 0 is centred on a horizontal gradient), and a 3x3 vote: a pixel keeps an orientation if its gradient is
+    strong enough and at least five of the nine pixels around it share one bin; it gets that bin. Integer arithmetic throughout.
+
+    image: CV_8UC1 or CV_8UC3, any size; pixels beyond its border repeat it
+    orientations: CV_8UC1, same size: 0 or one bit, 1 << bin
+    magnitudeThreshold: least Sobel magnitude of the blurred image [grey levels x 4] that counts as an edge
+    """
+    ...
+
+def spreadOrientations(orientations: NDArray[Any], spread: Optional[NDArray[Any]] = ..., size: int = ...) -> NDArray[Any]:
+    """Spreads orientations: each pixel gets the bits of all pixels of the size x size square around it
+    ([hinterstoisser2012gradient], Sec. 3.3). Tolerates misplacement by size / 2 pixels.
+
+    orientations: CV_8UC1 bit sets
+    spread: CV_8UC1, same size
+    size: odd side of the square [pixel]
+    """
+    ...
+
+def orientationResponse(spread: NDArray[Any], bin: int, response: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
+    """Similarity of every spread bit set to one orientation: 4 if it holds the orientation, 1 if it holds a neighbouring
+    one, else 0.
+
+    spread: CV_8UC1 bit sets
+    bin: 0..7
+    response: CV_8UC1, same size, values 0, 1, 4
+    """
+    ...
+
+class PartMatch:
+    """A place in the image where a part may be."""
+    def __init__(self) -> None: ...
+    @property
+    def tool(self) -> int:
+        """index of the tool"""
+        ...
+    @property
+    def part(self) -> int:
+        """index of the keypoint"""
+        ...
+    @property
+    def imagePoint(self) -> Tuple[float, float]:
+        """where it was found [pixel]"""
+        ...
+    @property
+    def similarity(self) -> float:
+        """0..1"""
+        ...
+    @property
+    def predictedPoint(self) -> Tuple[float, float]:
+        """where the template expected it [pixel]"""
+        ...
+    @property
+    def templateIndex(self) -> int:
+        """index into the templates that were matched"""
+        ...
+
+class QGOMatcher:
+    """Finds part templates in an image by their quantised gradient orientations (paper, Sec. 2.1).
+
+    The similarity of a template at a place is the mean, over its features, of 1 where the spread image holds the feature's
+    orientation, 1/4 where it holds a neighbouring one, else 0; sums of small integers over sliding windows, no per-pixel loop over
+    features.
+
+    A window is searched place by place. The whole image is searched in cells of 4 x 4 places first, whose similarity bounds that of
+    their places from above; cells are then looked into, the most promising first, until the best place found beats all bounds that
+    are left. So the best match of a template is that of a search place by place, unless thousands of cells promise as much (a
+    template that is nowhere in an image full of edges). Its further matches come from the cells that were looked into, at least
+    eight a candidate if that many can hold one: they have the places and similarities they have, but one may be missed.
+
+    Only what is asked for is made: responses of the area that windows need at the first match in windows, cells at the first search
+    of the whole image. Memory is kept from image to image.
+    """
+    class Params:
+        def __init__(self) -> None: ...
+        magnitudeThreshold: float
+        """see quantizeOrientations(); default 50, as the paper's release"""
+        spread: int
+        """see spreadOrientations() [pixel]; default 5, as the paper's release"""
+        candidates: int
+        """at most so many matches a part; default 5 (paper: top 5)"""
+        suppressionRadius: int
+        """a match suppresses weaker ones of its part this near [pixel]; default 6"""
+        minSimilarity: float
+        """weaker matches are dropped, 0..1; default 0.5"""
+        relativeSimilarity: float
+        """as are those weaker than this share of the part's best; default 0.7"""
+
+    @staticmethod
+    def create(params: QGOMatcher.Params = ...) -> QGOMatcher: ...
+    def setImage(self, image: NDArray[Any], roi: Tuple[int, int, int, int] = ...) -> None:
+        """Prepares the image for matching.
+
+        image: CV_8UC1 or CV_8UC3, any size; is not kept
+        roi: only windows with their templates inside it can be matched; empty = the whole image
+        """
+        ...
+    def match(self, templates: _Sequence[PartTemplate], windows: _Sequence[Tuple[int, int, int, int]]) -> Tuple[PartMatch, ...]:
+        """Finds templates in the prepared image. Features outside the prepared region count as not found.
+
+        templates: what to look for
+        windows: where the keypoints of each template may be [pixel]; one per template, or none for the whole image; a window
+        that holds the image is the whole image
+        matches: candidates, sorted by falling similarity
+        """
+        ...
+    def similarityMap(self, partTemplate: PartTemplate, window: Tuple[int, int, int, int], similarity: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
+        """The similarity of one template over a window, before any selection.
+
+        partTemplate: what to look for
+        window: where its keypoint may be [pixel]
+        similarity: CV_16UC1 of the window's size: sum over features of 4, 1 or 0
+        """
+        ...
+
+class GeometricContextVerifier:
+    """Keeps the matches of one tool whose arrangement in the image is that of the drawing (paper, Sec. 2.2).
+
+    Two matches of different parts, drawn in PROSAC order [chum2005matching], span a polar grid in the image and one in the
+    drawing: centre on the first point, axis through the second. Another match agrees if it falls into the zone of its part in
+    both grids. The sample with most inliers wins (ties: the larger sum of similarities); a part has at most one inlier. With Params.centredZones = false the first sample
+    that Params.minInliers agree with is taken, as in the paper.
+    """
+    class Params:
+        def __init__(self) -> None: ...
+        zoneAngle: float
+        """width of a zone [rad]; 30 degrees, as in the paper"""
+        zoneRadius: float
+        """depth of a zone [pixel]; 10, as in the paper"""
+        centredZones: bool
+        """zones centred on the predicted points; false: fixed cells of the grid, as in the paper"""
+        minInliers: int
+        """fewer are no agreement; 4, as in the paper"""
+        maxIterations: int
+        """samples at most; 100, as in the paper"""
+        maxScale: float
+        """samples that scale the arrangement by more than this, or less than its inverse, are skipped; 0 = any"""
+        maxRotation: float
+        """samples that turn the arrangement by more than this are skipped [rad]; 0 = any"""
+        seed: int
+        """of the sampling"""
+
+    @staticmethod
+    def create(params: GeometricContextVerifier.Params = ...) -> GeometricContextVerifier:
+        """params: zones and limits"""
+        ...
+    def verify(self, matches: _Sequence[PartMatch]) -> Tuple[bool, Tuple[PartMatch, ...]]:
+        """Keeps what agrees.
+
+        matches: candidates of one tool, sorted by falling similarity
+        inliers: those that agree, at most one a part, sorted by part; empty after false
+        Returns: whether at least Params.minInliers agree
+        """
+        ...
+
+def projectKeypoints(camera: CameraModel, state: NDArray[Any], nominalPoints: NDArray[Any], imagePoints: Optional[NDArray[Any]] = ..., jacobian: Optional[NDArray[Any]] = ...) -> Tuple[NDArray[Any], NDArray[Any]]:
+    """The measurement function h(x) of the paper (Sec. 2.3, eq. 3-5): where keypoints of the nominal camera frame are seen.
+
+    camera: intrinsics and distortion
+    state: 6 values: x = (theta_x, theta_y, theta_z [rad], r_x, r_y, r_z [m]), the correction
+    camera_T_nominal = (Rot_z(theta_z) Rot_y(theta_y) Rot_x(theta_x), r)
+    nominalPoints: N x 3, 64-bit: keypoints in the nominal camera frame, nominal_T_base * basePoint [m]
+    imagePoints: N x 1 CV_64FC2 [pixel]; NaN where a point is not in front of the camera
+    jacobian: if wanted, 2N x 6 CV_64F: dh / dx, rows u, v of point 0, then of point 1, ...
+    """
+    ...
+
+def correctionFromState(state: NDArray[Any]) -> NDArray[np.float64]:
+    """camera_T_nominal of a state (theta_x, theta_y, theta_z [rad], r_x, r_y, r_z [m])."""
+    ...
+
+def stateFromCorrection(camera_T_nominal: NDArray[np.float64], state: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
+    """The state, 6 x 1 CV_64F, of a camera_T_nominal: the inverse of correctionFromState()."""
+    ...
+
+def solveEPnP(camera: CameraModel, nominalPoints: NDArray[Any], imagePoints: NDArray[Any], maxError: float = ...) -> Tuple[bool, NDArray[np.float64]]:
+    """EPnP on verified matches: the paper's start, and its per-frame baseline.
+
+    camera: intrinsics and distortion
+    nominalPoints: N x 3, 64-bit [m], N >= 4
+    imagePoints: N x 2, 64-bit [pixel]
+    camera_T_nominal: result; unchanged after false
+    maxError: if positive, the pose is sought by RANSAC with this reprojection error [pixel]
+    Returns: whether a pose was found that has all points in front of the camera
+    """
+    ...
+
+class ToolPoseEKF:
+    """The extended Kalman filter of the paper (Sec. 2.3): estimates the error of the hand-eye calibration.
+
+    State x: rotation (Euler angles) and translation of camera_T_nominal. Process: constant, with noise Q. Measurement: image points
+    of keypoints, z = h(x) + noise R. Parts that were not found have no rows. P is updated in Joseph's form.
+    """
+    class Params:
+        def __init__(self) -> None: ...
+        initialRotation: float
+        """standard deviation of the first state [rad]"""
+        initialTranslation: float
+        """the same [m]"""
+        processRotation: float
+        """process noise, standard deviation a frame [rad]"""
+        processTranslation: float
+        """the same [m]"""
+        measurementNoise: float
+        """standard deviation of an image point [pixel]"""
+        gate: float
+        """points with a larger squared Mahalanobis distance are left out; 13.8 = 99.9 % of chi-square with 2 dof; 0 = none"""
+        minPoints: int
+        """with fewer points inside the gate nothing is updated; default 1"""
+
+    @staticmethod
+    def create(camera: CameraModel, params: ToolPoseEKF.Params = ...) -> ToolPoseEKF:
+        """camera: intrinsics and distortion
+        params: noise and gate
+        """
+        ...
+    def reset(self, camera_T_nominal: NDArray[np.float64]) -> None:
+        """Starts anew from a correction (the unit matrix: the hand-eye calibration itself) with the initial covariance."""
+        ...
+    def predict(self) -> None:
+        """One frame passes: P grows by Q."""
+        ...
+    def correct(self, nominalPoints: NDArray[Any], imagePoints: NDArray[Any], used: Optional[NDArray[Any]] = ...) -> Tuple[bool, NDArray[Any]]:
+        """Takes in measured keypoints.
+
+        nominalPoints: N x 3, 64-bit: keypoints in the nominal camera frame [m]
+        imagePoints: N x 2, 64-bit: where they were found [pixel]
+        used: if wanted, N x 1 CV_8U: 1 where the point passed the gate
+        Returns: whether the state was updated; false if fewer than Params.minPoints passed or the innovation covariance is singular: nothing changes then
+        """
+        ...
+    def correction(self) -> NDArray[np.float64]:
+        """camera_T_nominal."""
+        ...
+    def state(self) -> NDArray[Any]:
+        """6 x 1 CV_64F, see projectKeypoints()."""
+        ...
+    def covariance(self) -> NDArray[Any]:
+        """6 x 6 CV_64F, order of the state."""
+        ...
+    def nis(self) -> float:
+        """Normalised innovation squared of the last correct(), per degree of freedom; 0 before the first."""
+        ...
+    def imageCovariance(self, nominalPoint: Tuple[float, float, float]) -> NDArray[np.float64]:
+        """Covariance of where a keypoint will be seen, H P H^T [pixel^2], without measurement noise."""
+        ...
+    def poseCovariance(self, nominalTool: Tuple[float, float, float]) -> NDArray[np.float64]:
+        """Covariance of camera_T_tool, (rotation vector, translation) in the camera frame, from that of the state.
+
+        nominalTool: origin of the tool in the nominal camera frame [m]
+        """
+        ...
+
+class ContourPoint:
+    """A point of a tool's outline or of a crease, and where the image has an edge on its normal."""
+    def __init__(self) -> None: ...
+    @property
+    def link(self) -> int:
+        """index of the link it lies on"""
+        ...
+    @property
+    def linkPoint(self) -> Tuple[float, float, float]:
+        """in the link's frame [m]"""
+        ...
+    @property
+    def linkDirection(self) -> Tuple[float, float, float]:
+        """along the edge, in the link's frame; the tool is on its left, seen from the camera"""
+        ...
+    @property
+    def imagePoint(self) -> Tuple[float, float]:
+        """where it is expected [pixel]"""
+        ...
+    @property
+    def normal(self) -> Tuple[float, float]:
+        """unit vector in the image, out of the tool"""
+        ...
+    @property
+    def crease(self) -> bool:
+        """an edge inside the tool's image, not its outline"""
+        ...
+    @property
+    def found(self) -> bool:
+        """whether the image has an edge near it"""
+        ...
+    @property
+    def offset(self) -> float:
+        """where, from imagePoint along the normal [pixel]"""
+        ...
+    @property
+    def deviation(self) -> float:
+        """standard deviation of the offset, as edges of this strength have it [pixel]"""
+        ...
+    @property
+    def strength(self) -> float:
+        """of that edge, change of the strongest channel [grey levels a pixel]"""
+        ...
+
+class ToolContour:
+    """The outline of a tool: from its meshes' edges, so exact to a fraction of a pixel, where a drawing shows that they are seen.
+
+    An edge between a triangle that faces the camera and one that does not is part of the outline if the drawing has the tool on one
+    side of it and neither this nor another tool on the other. Sharp edges between two triangles that face the camera are creases.
+    """
+    class Params:
+        def __init__(self) -> None: ...
+        spacing: float
+        """distance of the points [pixel]; default 5: nearer ones tell the same"""
+        maxPoints: int
+        """more than these are thinned out; default 200"""
+        creaseAngle: float
+        """edges sharper than this are creases [rad]; 0 = no creases"""
+
+    @staticmethod
+    def create(model: ToolModel, params: ToolContour.Params = ...) -> ToolContour: ...
+    def sampleTool(self, camera: CameraModel, camera_T_base: NDArray[np.float64], joints: NDArray[Any]) -> Tuple[ContourPoint, ...]:
+        """The same for a single tool, which is drawn for it.
+
+        camera: intrinsics and distortion
+        camera_T_base: pose of the arm's base in the camera frame
+        joints: one value per coordinate [rad or m]
+        """
+        ...
+
+class ContourSearch:
+    """Where edges are sought, and which are believed."""
+    def __init__(self) -> None: ...
+    halfWindow: float
+    """on both sides of the expected place, 1 to 40 [pixel]"""
+    preference: float
+    """edges this far from the expected place count 0.6 of one there, as a share of halfWindow; 0 = all the same"""
+    minStrength: float
+    """weaker edges are none [grey levels a pixel]"""
+    ambiguity: float
+    """a point with a second edge more than this share as likely as the first is left out"""
+
+def matchContour(image: NDArray[Any], points: _Sequence[ContourPoint], search: ContourSearch) -> Tuple[int, Tuple[ContourPoint, ...]]:
+    """Looks for an edge on the normal of each point, to a fraction of a pixel: the maximum of the image's gradient along the
+    normal, over all channels, nearer ones preferred.
+
+    image: CV_8UC1 or CV_8UC3
+    points: their found, offset and strength are set
+    search: where to look
+    Returns: how many were found
+    """
+    ...
+
+class ArticulatedPoseEKF:
+    """The filter of METHOD_FULL: the error of the hand-eye calibration and those of the joint readings.
+
+    State: the correction camera_T_nominal and an offset for each coordinate with ToolModel.offsetDeviations() > 0 (the first ten). Its error is
+    (omega, v, d), omega and v a small motion of the tool about its own centre c in the camera frame,
+    `camera_T_nominal <- Trans(c + v) Exp(omega) Trans(-c) camera_T_nominal`, d that of the offsets; so rotation and translation are
+    nearly independent, and P is moved to the new centre as the tool moves. Process: constant, with noise Q. Measurements: points of
+    parts and edges on contour normals, of one camera or several, all at once.
+    """
+    class Params:
+        def __init__(self) -> None: ...
+        initialRotation: float
+        """standard deviation of the hand-eye calibration [rad]"""
+        initialTranslation: float
+        """the same, at the tool [m]"""
+        processRotation: float
+        """process noise, standard deviation a frame [rad]"""
+        processTranslation: float
+        """the same [m]"""
+        processJoint: float
+        """the same, of joint offsets, as a share of their first deviation"""
+        pointNoise: float
+        """standard deviation of a part's image point [pixel]"""
+        gate: float
+        """points with a larger squared Mahalanobis distance are left out; 13.8 = 99.9 % of chi-square with 2 dof"""
+        contourNoise: float
+        """standard deviation of an edge along its normal [pixel]"""
+        jointOffsets: bool
+        """whether the readings may have offsets"""
+        contourCorrelation: float
+        """so many neighbouring contour points tell as much as one"""
+
+def stateName(state: int) -> str:
+    """`initializing`, `tracking`, `coasting` or `lost`, as poses files have it."""
+    ...
+
+class ToolEstimate:
+    """The tracker's answer for one tool and one frame."""
+    def __init__(self) -> None: ...
+    @property
+    def state(self) -> int:
+        """see TrackingState"""
+        ...
+    @property
+    def camera_T_tool(self) -> NDArray[np.float64]:
+        """pose of the end effector in the camera frame [m]"""
+        ...
+    @property
+    def camera_T_nominal(self) -> NDArray[np.float64]:
+        """the correction of the hand-eye calibration"""
+        ...
+    @property
+    def covariance(self) -> NDArray[np.float64]:
+        """of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame; zero with METHOD_EPNP"""
+        ...
+    @property
+    def jointOffsets(self) -> NDArray[np.float64]:
+        """METHOD_FULL: one per coordinate, what is added to the reading [rad or m], and 0 where ToolModel.offsetDeviations() is; else zeros"""
+        ...
+    @property
+    def visibleParts(self) -> int:
+        """parts that had a template, in the left image"""
+        ...
+    @property
+    def inliers(self) -> int:
+        """matches in the left image that agreed on the geometric context and went into the pose; 0 if nothing was measured, or METHOD_FULL followed the outline alone"""
+        ...
+    @property
+    def similarity(self) -> float:
+        """mean similarity of the inliers, 0..1; 0 without inliers"""
+        ...
+    @property
+    def contourSupport(self) -> float:
+        """METHOD_FULL: share of the visible outline, in both eyes, whose strongest edge within 6 px is at most 1.5 px off (pixels at 720 px width), 0..1; else 0. Of the last pose that was looked at, also if it was not believed"""
+        ...
+    @property
+    def nis(self) -> float:
+        """of the inliers, normalised innovation squared per degree of freedom; about 1 if image points are as bad as the filter takes them for, less if they are better; 0 with METHOD_EPNP and without inliers"""
+        ...
+    @property
+    def matches(self) -> Tuple[PartMatch, ...]:
+        """the inliers"""
+        ...
+
+class StageTime:
+    """How long a stage of ToolTracker.update() takes. A frame is one sample: the sum over all tools and eyes, 0 if the stage was not reached."""
+    def __init__(self) -> None: ...
+    @property
+    def name(self) -> str:
+        """`render`, `image`, `match`, `verify`, `filter`, `contour` (METHOD_FULL) or `total`, all of update()"""
+        ...
+    @property
+    def calls(self) -> int:
+        """frames; without any, the times are 0"""
+        ...
+    @property
+    def last(self) -> float:
+        """of the last frame [s]"""
+        ...
+    @property
+    def mean(self) -> float:
+        """[s]"""
+        ...
+    @property
+    def min(self) -> float:
+        """[s]"""
+        ...
+    @property
+    def max(self) -> float:
+        """[s]"""
+        ...
+
+class ToolTracker:
+    """Finds the pose of articulated tools in the camera from video and joint readings.
+
+    METHOD_PAPER, per frame (paper, Sec. 2): the tools are drawn as the kinematics and the last correction say they look (Sec. 2.1);
+    part templates are cut from the drawing (PartTemplateRenderer), found in the image (QGOMatcher), kept where their arrangement
+    agrees (GeometricContextVerifier, Sec. 2.2), and fused with the kinematics (ToolPoseEKF, Sec. 2.3). METHOD_EPNP has EPnP in
+    place of the filter.
+
+    METHOD_FULL, per frame:
+    - Parts are drawn, found and verified as above, in each eye. Samples of the geometric context that scale or turn too much are
+      skipped and the best one is taken, not the first: fewer wrong inliers.
+    - ArticulatedPoseEKF takes them in. It has the offset of each wrist and jaw reading in its state, beside the correction: cables
+      stretch, and no rigid correction repairs a reading.
+    - The outline is placed where this pose has it (ToolContour), edges are sought on its normals (matchContour()), within 8, 5 and
+      3 pixels in turn (at 720 px width), and taken in together with the parts. Parts tell from far off where the tool is, to some
+      pixels; edges are many and exact to a fraction of a pixel, but need a pose within some pixels to begin with.
+    - Evidence is `similarity + contourSupport`. Tissue may look like parts, or like an outline, but not like both at once: right poses
+      have 1.2 to 1.8, wrong ones up to 1.1. A tool that is followed needs 0.9, one that is not 1.12, and to count as tracking without
+      a second frame 1.25. The outline alone does, with a support of 0.55, where fewer than four parts are seen.
+    - A push of the camera: where points or edges fit badly to a correction that changes slowly, the frame is measured once more with
+      P grown by 1 degree and 2 mm; if that has more evidence it is kept, and the process noise stays raised for ten frames. If it has
+      not and the points fit badly, they are the wrong ones: the outline alone is taken.
+    - First pose: nine drawings (paper, Sec. 2.1: scales 0.8, 1, 1.2, rotations 0, +-15 degrees); the three with the largest summed
+      similarity are fitted, parts and outline, in four rounds each; the first one with evidence is taken, as the summed similarity
+      alone does not tell good from bad. The process noise is raised for the frames after it: two poses may look alike in one frame.
+    - A tool that is not seen is sought in every frame with one of the nine drawings, in turn about its last pose and about the
+      hand-eye calibration itself, since either may be the better guess. What is found there must be confirmed by the next frames;
+      else the tool goes back to the last pose that was tracked. Meanwhile P grows.
+
+    Images 1440 pixels wide and more are reduced by a whole number first, since gradients and tolerances are made for pixels of an
+    image about 720 wide.
+
+    Each tool has a state of its own. The result depends on the input alone: same images, times and joints, same estimates.
+    """
+    class Params:
+        def __init__(self) -> None: ...
+        method: int
+        """see TrackingMethod; default METHOD_FULL"""
+        jointOffsets: bool
+        """METHOD_FULL: joint readings may be wrong by offsets, which are estimated; false for readings known to be exact"""
+        contours: bool
+        """METHOD_FULL: edges on outlines go into the pose; if false they are evidence only"""
+        adaptation: bool
+        """METHOD_FULL: a push of the camera is noticed and followed; false for a camera that is fixed to the arms"""
+        initialWindow: float
+        """half-width of the search window before the first pose [m on the tool]"""
+        minWindow: float
+        """smallest half-width of the search window while tracking [pixel at 720 px width]"""
+        minInitialInliers: int
+        """matches needed for a first pose (paper's release: more than 6); METHOD_FULL: to count as tracking at once, else five"""
+        minInitialSimilarity: float
+        """their least mean similarity; bare tissue gives up to 0.6, a tool 0.75 and more. Not METHOD_FULL, which has the outline too"""
+        confirmFrames: int
+        """frames that must confirm a first pose before it counts as tracking; METHOD_FULL needs none where the evidence is strong"""
+        coastingTime: float
+        """without a measurement for longer a tool is lost [s]"""
+        seed: int
+        """of all random choices"""
+
+    @staticmethod
+    def create(camera: CameraModel, params: ToolTracker.Params = ...) -> ToolTracker: ...
+    def setRightCamera(self, right: CameraModel, right_T_left: NDArray[np.float64]) -> None:
+        """Makes the right eye known, for updateStereo(). Before or after addTool().
+
+        right: its intrinsics and distortion
+        right_T_left: pose of the left camera in the frame of the right one [m]
+        Raises cv2.error for another method than METHOD_FULL, and a transform that is not rigid
+        """
+        ...
+    def addTool(self, model: ToolModel, nominal_T_base: NDArray[np.float64]) -> int:
+        """Adds a tool.
+
+        model: the tool
+        nominal_T_base: where the (wrong) hand-eye calibration believes the arm's base to be, in the camera frame
+        Returns: index of the tool
+        """
+        ...
+    def update(self, image: NDArray[Any], time: float, joints: _Sequence[Union[_Sequence[float], NDArray[np.float64]]]) -> Tuple[ToolEstimate, ...]:
+        """Tracks one frame.
+
+        image: CV_8UC1 or CV_8UC3 (BGR) of the camera's size
+        time: time stamp [s], larger than the last one
+        joints: per tool, in the order of addTool(), one reading per coordinate [rad or m]
+        estimates: per tool the answer
+        Raises cv2.error for another image type or size, another number of joints, or non-finite values; the tracker's
+        state is then unchanged
+        """
+        ...
+    def updateStereo(self, left: NDArray[Any], right: NDArray[Any], time: float, joints: _Sequence[Union[_Sequence[float], NDArray[np.float64]]]) -> Tuple[ToolEstimate, ...]:
+        """Tracks one frame of both eyes, taken at the same time; setRightCamera() comes first. Frames of one eye, by update(), may
+        lie between. Poses, matches and the search for a first pose are those of the left eye.
+
+        left, right: images of the same type, each of its camera's size
+        time, joints, estimates: see update(), also for what is thrown
+        """
+        ...
+    def renderAhead(self, joints: _Sequence[Union[_Sequence[float], NDArray[np.float64]]]) -> None:
+        """Starts drawing templates in a second thread (paper, Sec. 2: two threads) and returns at once.
+
+        A video is tracked with the drawing of the next frame beside the matching of this one:
+
+            tracker->renderAhead(joints of frame t + 1);
+            tracker->update(image t, time t, joints of frame t, estimates);
+
+        and a live image with the newest readings as soon as there are some, before update(). Templates are drawn with the corrections
+        known at the time of the call. update() knows the last request before it and the last one before the previous update(). It waits
+        for the one whose drawing has the tools within a few pixels and degrees of where they are now, and moves its templates there; if
+        neither has, or a tool starts or is lost, it draws as ever. The estimates so depend on the order of the calls and what is given to
+        them, never on the speed of a thread; they differ a little from those without this call.
+
+        joints: as for update(), as they are expected to be
+        Raises cv2.error for another number of joints or non-finite values. What goes wrong in the second thread is thrown by the
+        update() that asks for the templates, this or the next one; the tracker's state is then unchanged, and the request gone
+        """
+        ...
+    def reset(self, tool: int = ...) -> None:
+        """Forgets what was learnt of a tool, as after a change of instrument.
+
+        tool: index; -1 = all
+        """
+        ...
+    def getTimings(self) -> Tuple[StageTime, ...]:
+        """Times of the stages since the first frame or the last resetTimings(), in the order of the data flow; `total` comes last."""
+        ...
+    def resetTimings(self) -> None: ...
+
+def drawSkeleton(image: NDArray[Any], camera: CameraModel, model: ToolModel, joints: NDArray[Any], camera_T_base: NDArray[np.float64], color: _Sequence[float]) -> NDArray[Any]:
+    """Draws a tool's skeleton (joint axes' origins and the end effector) and its keypoints into an image.
+
+    image: CV_8UC3, is drawn on
+    camera: of the image
+    model: the tool
+    joints: one value per coordinate [rad or m]
+    camera_T_base: the arm's base in the camera frame
+    color: BGR
+    """
+    ...
+
+class SequenceTool:
+    """One tool of a sequence."""
+    def __init__(self) -> None: ...
+    @property
+    def name(self) -> str:
+        """as in the CSV files"""
+        ...
+    @property
+    def model(self) -> str:
+        """path of the tool file"""
+        ...
+    @property
+    def nominal_T_base(self) -> NDArray[np.float64]:
+        """the calibrated, wrong, hand-eye: the key camera_T_base of the file"""
+        ...
+
+class Sequence:
+    """A recorded sequence: a folder with sequence.yaml, video, kinematics.csv and, where known, groundtruth.csv.
+    The format is described in doc/formats.md. Frame k is at time k / fps. Keys and columns that are not known are ignored.
+    """
+    @staticmethod
+    def load(folder: str) -> Sequence:
+        """Reads a sequence; videos are not opened.
+
+        folder: the folder, or its sequence.yaml
+        Raises cv2.error naming file, key or line and what was expected
+        """
+        ...
+    def name(self) -> str:
+        """The key `name`, or else the folder's name."""
+        ...
+    def fps(self) -> float:
+        """Frames a second."""
+        ...
+    def leftCamera(self) -> CameraModel:
+        """The left camera, or the only one."""
+        ...
+    def rightCamera(self) -> CameraModel:
+        """The right camera; of size 0 x 0 if there is one camera."""
+        ...
+    def leftVideo(self) -> str:
+        """Path of the left video; may lie outside the folder."""
+        ...
+    def rightVideo(self) -> str:
+        """Path of the right video; empty if there is one camera."""
+        ...
+    def right_T_left(self) -> NDArray[np.float64]:
+        """Pose of the left camera in the frame of the right one [m]."""
+        ...
+    def isStereo(self) -> bool:
+        """Whether there are two cameras."""
+        ...
+    def toolCount(self) -> int:
+        """Number of tools."""
+        ...
+    def tool(self, index: int) -> SequenceTool:
+        """What is known of a tool.
+
+        index: 0 to toolCount() - 1
+        """
+        ...
+    def jointsAt(self, tool: int, time: float, coordinates: _Sequence[str] = ...) -> Tuple[bool, NDArray[np.float64]]:
+        """Joint readings at a time, linearly interpolated between the two nearest records.
+
+        tool: index
+        time: [s]
+        joints: one value per wanted coordinate [rad or m]
+        coordinates: the coordinates wanted, as ToolModel.coordinateNames(); empty = all of jointNames()
+        Returns: false if the time lies outside the records (by more than one sampling interval); joints is then unchanged
+        Raises cv2.error if kinematics.csv has no column for a coordinate
+        """
+        ...
+    def jointNames(self) -> Tuple[str, ...]:
+        """Names of the joint columns of kinematics.csv: all but `time` and `tool`."""
+        ...
+    def firstTime(self, tool: int) -> float:
+        """Time of a tool's first joint reading [s]."""
+        ...
+    def lastTime(self, tool: int) -> float:
+        """Time of a tool's last joint reading [s]."""
+        ...
+    def kinematicsFile(self) -> str:
+        """Path of kinematics.csv."""
+        ...
+    def groundTruth(self, tool: int, frame: int) -> Tuple[bool, NDArray[np.float64], NDArray[np.float64]]:
+        """Ground truth of a frame.
+
+        tool: index
+        frame: number
+        camera_T_tool: true pose
+        joints: true joint values in the order of jointNames(); empty if the file lacks one of these columns
+        Returns: false if there is none for this frame; the outputs are then unchanged
+        """
+        ...
+    def hasGroundTruth(self) -> bool:
+        """Whether the folder has a groundtruth.csv."""
+        ...
+    def groundTruthEnd(self) -> int:
+        """One more than the last frame with ground truth; 0 without."""
+        ...
+
+class PoseWriter:
+    """Writes a poses CSV: `frame,time,tool,status,tx,ty,tz,qx,qy,qz,qw` and further columns.
+    Each row is flushed, so that what was written is complete and readable whatever happens next.
+    """
+    @staticmethod
+    def create(filename: str, extraColumns: _Sequence[str] = ...) -> PoseWriter:
+        """Begins a file.
+
+        filename: is overwritten
+        extraColumns: names of further columns
+        Raises cv2.error naming the file if it can't be written
+        """
+        ...
+    def write(self, frame: int, time: float, tool: str, state: int, camera_T_tool: NDArray[np.float64], extra: Union[_Sequence[float], NDArray[np.float64]] = ...) -> None:
+        """Adds one row.
+
+        frame: number
+        time: [s]
+        tool: name
+        state: see TrackingState
+        camera_T_tool: rigid; a non-finite pose is an error
+        extra: one value per further column; non-finite values are left empty
+        Raises cv2.error naming the file if the row can't be written (as on a full disk)
+        """
+        ...
+
+class PoseScore:
+    """How good the poses of one tool are, measured against the truth."""
+    def __init__(self) -> None: ...
+    @property
+    def frames(self) -> int:
+        """with truth"""
+        ...
+    @property
+    def covered(self) -> int:
+        """of these, with a pose that claims to be one: tracking or coasting"""
+        ...
+    @property
+    def translationMean(self) -> float:
+        """distance of the end effector from its true place, over the covered frames [m]; 0 without any"""
+        ...
+    @property
+    def translationStd(self) -> float:
+        """its standard deviation [m]"""
+        ...
+    @property
+    def rotationMean(self) -> float:
+        """angle between estimated and true orientation, over the covered frames [rad]"""
+        ...
+    @property
+    def rotationStd(self) -> float:
+        """its standard deviation [rad]"""
+        ...
+    @property
+    def accuracy(self) -> float:
+        """share of all frames whose end effector is at most 10 pixel off in an image 720 pixel wide (paper, Sec. 3)"""
+        ...
+    @property
+    def silent(self) -> float:
+        """share of all frames that claim to be tracking and are more than 5 mm off"""
+        ...
+
+class PoseScorer:
+    """Compares poses with the truth, as Table 1 of the paper does."""
+    @staticmethod
+    def create(camera: CameraModel, tools: int) -> PoseScorer:
+        """A scorer without poses yet.
+
+        camera: of the image the reprojection error is taken in; its distortion is left out
+        tools: number of tools
+        """
+        ...
+    def add(self, tool: int, state: int, camera_T_tool: NDArray[np.float64], true_camera_T_tool: NDArray[np.float64]) -> None:
+        """Takes in one frame of one tool.
+
+        tool: index
+        state: see TrackingState
+        camera_T_tool: estimate
+        true_camera_T_tool: truth
+        """
+        ...
+    def score(self, tool: int = ...) -> PoseScore:
+        """The score so far.
+
+        tool: index; -1 = all tools together
+        """
+        ...
+
+class TimeOffsetParams:
+    """Options of estimateTimeOffset()."""
+    def __init__(self) -> None: ...
+    expected: float
+    """centre of the search [s]; default 0"""
+    range: float
+    """offsets this far from the expected one are searched [s]; default 3"""
+    step: float
+    """of the first, coarse search [s]; default 0.16. A tool should move by less than 10 mm in it"""
+    frames: int
+    """at most so many frames are looked at, spread over the sequence; default 48"""
+    minOverlap: float
+    """offsets that leave less of the video with readings are not considered [s]; default 1.5"""
+    minConfidence: float
+    """see TimeOffset.confidence; default 0.15"""
+    maxDeviation: float
+    """see TimeOffset.deviation [s]; default 0.03"""
+    seed: int
+    """of all random choices"""
+
+class TimeOffset:
+    """The answer of estimateTimeOffset()."""
+    def __init__(self) -> None: ...
+    @property
+    def offset(self) -> float:
+        """the readings that belong to the image of time t are those recorded at t + offset [s]"""
+        ...
+    @property
+    def deviation(self) -> float:
+        """standard deviation of the offset, if it is the right one and not another that looks alike [s]"""
+        ...
+    @property
+    def confidence(self) -> float:
+        """0..1: by how much the images support this offset more than the next best that is not a neighbour; 0.5 = twice as much"""
+        ...
+    @property
+    def support(self) -> float:
+        """summed similarity above chance of the parts found where the offset has them, a frame and tool"""
+        ...
+    @property
+    def frames(self) -> int:
+        """frames in which a tool was found"""
+        ...
+    @property
+    def reason(self) -> str:
+        """why the offset can't be told, one line; empty if it can"""
+        ...
+
+def estimateTimeOffset(sequence: Sequence, params: TimeOffsetParams = ...) -> Tuple[bool, TimeOffset]:
+    """Finds by how much the clocks of video and joint readings differ, from the whole of a recorded sequence.
+
+    The tools are drawn as the readings of many times say they look, and sought in frames spread over the video. Of each offset, in
+    coarse steps, the similarity of what was found tells how well it is supported. The best few are refined to a fraction of a frame:
+    one least-squares fit, over all frames, of the offset (a point is wrong by its velocity times the error of the offset), of the
+    correction of the hand-eye calibration and of constant errors of the joints; then tools are drawn and found again with the result.
+    The correction may change from one two-second block to the next where the images insist, as after a move of the camera.
+
+    Expects a calibration wrong by at most 14 mm at the tool and about 10 degrees. One offset holds for all tools and the whole sequence.
+    With the default options it takes about 15 s for two tools at 720x576, in proportion to frames, tools and range. The frames looked at
+    are kept in memory.
+
+    sequence: video (the left one) and readings
+    result: after false `offset` is the best guess and must not be relied on, and `reason` says why
+    params: options
+    Returns: whether the offset is known: Params.minConfidence and Params.maxDeviation are met. It can't be known if tools hardly move
+    or are hardly seen, if too little of the video has readings, if the motion repeats itself within the range, or if the offset lies outside of it
+    Raises cv2.error for options out of range and naming the file if the video can't be read or has frames of another size
+    """
+    ...
+
+class SyntheticScene:
+    """A synthetic scene with exact truth: tools moving over textured tissue, seen by an endoscope.
+
+    The built-in sequence of tests and demonstration. Tools are lit by the endoscope's own light; the image has vignette,
+    noise and, if the camera has it, distortion. The recorded joints carry bias, drift and noise, and the recorded hand-eye
+    calibration is wrong. Everything follows from the seed.
+    """
+    class Params:
+        def __init__(self) -> None: ...
+        tools: int
+        """1..4"""
+        frames: int
+        """length; the motion is periodic in it"""
+        seed: int
+        imageSize: Tuple[int, int]
+        """[pixel]; write() needs an even width and height"""
+        fps: float
+        handEyeRotation: float
+        """error of the recorded hand-eye calibration [rad]"""
+        handEyeTranslation: float
+        """the same [m], at the tool"""
+        jointNoise: float
+        """scale of the joint errors: 1 = 0.006 rad and 0.6 mm at the arm, 0.02 rad at the wrist, 0.03 rad at the jaw; 0 = exact"""
+        imageNoise: float
+        """standard deviation of the sensor noise [grey levels]"""
+        distortion: bool
+        """lens distortion (k1 = -0.2) or a pinhole"""
+        stereo: bool
+        """a right image, 5.2 mm beside the left one"""
+
+    @staticmethod
+    def create(model: Optional[ToolModel] = ..., params: SyntheticScene.Params = ...) -> SyntheticScene:
+        """A scene from its seed.
+
+        model: the tool all arms carry; empty = ToolModel.needleDriver(); needs the coordinates q1..q6 and jaw
+        params: options
+        """
+        ...
+    def toolCount(self) -> int:
+        """Number of arms."""
+        ...
+    def frameCount(self) -> int:
+        """Params.frames."""
+        ...
+    def model(self) -> ToolModel:
+        """The tool that all arms carry."""
+        ...
+    def camera(self, right: bool = ...) -> CameraModel:
+        """One of the cameras.
+
+        right: the right one of a stereo scene
+        """
+        ...
+    def right_T_left(self) -> NDArray[np.float64]:
+        """Pose of the left camera in the frame of the right one [m]."""
+        ...
+    def nominal_T_base(self, tool: int) -> NDArray[np.float64]:
+        """The recorded, wrong, hand-eye calibration of an arm."""
+        ...
+    def camera_T_base(self, tool: int) -> NDArray[np.float64]:
+        """The true hand-eye calibration of an arm (left camera)."""
+        ...
+    def trueJoints(self, tool: int, time: float) -> NDArray[np.float64]:
+        """True joints at a time [s]: one value per coordinate [rad or m]."""
+        ...
+    def recordedJoints(self, tool: int, time: float) -> NDArray[np.float64]:
+        """Joints at a time [s] as the robot reads them: one value per coordinate [rad or m]."""
+        ...
+    def truePose(self, tool: int, time: float) -> NDArray[np.float64]:
+        """camera_T_tool, exact (left camera).
+
+        tool: index
+        time: [s]
+        """
+        ...
+    def render(self, frame: int, image: Optional[NDArray[Any]] = ..., right: bool = ...) -> NDArray[Any]:
+        """Draws a frame.
+
+        frame: number, 0 <= frame
+        image: CV_8UC3, BGR
+        right: the right eye of a stereo scene
+        """
+        ...
+    def write(self, folder: str) -> None:
+        """Writes the scene as a sequence folder: sequence.yaml, video, kinematics.csv (100 Hz), groundtruth.csv,
+        keypoints.csv, and the tool file with its meshes.
+
+        folder: is made if it does not exist
+        Raises cv2.error naming the file that can't be written
+        """
+        ...
