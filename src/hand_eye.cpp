@@ -1,0 +1,326 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "hand_eye_motion.hpp"
+#include "hand_eye_solve.hpp"
+
+namespace cv { namespace surgtrack {
+
+namespace {
+
+const int leastPoses = 4;               // three to calibrate, one to check
+const int leastToReject = 6;
+const int sampleSize = 4, samples = 200;
+const size_t mostGroups = 30;              // more poses than this are left out several at a time
+const double defaultBoard = 0.0075;     // [m]; half the side of the square
+const char* const names[] = { "best", "tsai", "park", "horaud", "andreff", "daniilidis", "shah", "li", "refined" };
+
+typedef std::vector<int> Indices;
+
+Indices allOf(const HandEyeProblem& problem)
+{
+    Indices all;
+    for (int i = 0; i < problem.size(); i++) all.push_back(i);
+    return all;
+}
+
+//! Poses that are left out together: one, or of many every thirtieth.
+std::vector<Indices> groupsOf(const Indices& poses)
+{
+    std::vector<Indices> groups(std::min(poses.size(), mostGroups));
+    for (size_t i = 0; i < poses.size(); i++) groups[i % groups.size()].push_back(poses[i]);
+    return groups;
+}
+
+Indices without(const Indices& poses, const Indices& group)
+{
+    Indices rest;
+    for (size_t i = 0; i < poses.size(); i++)
+        if (std::find(group.begin(), group.end(), poses[i]) == group.end()) rest.push_back(poses[i]);
+    return rest;
+}
+
+std::vector<Matx44d> readTransforms(InputArray array, const char* name)
+{
+    Mat m = array.getMat();
+    if ((m.depth() != CV_64F && m.depth() != CV_32F) || m.total() * m.channels() % 16 != 0)
+        CV_Error(Error::StsBadArg, format("%s must be N x 4 x 4 and floating point, is of type %s with %d numbers", name,
+                                          typeToString(m.type()).c_str(), (int)(m.total() * m.channels())));
+    m = m.clone();    // continuous
+    m = m.reshape(1, (int)(m.total() * m.channels() / 16));
+    m.convertTo(m, CV_64F);
+    std::vector<Matx44d> poses;
+    for (int i = 0; i < m.rows; i++)
+    {
+        const Matx44d T(m.ptr<double>(i));
+        if (!isRigid(T)) CV_Error(Error::StsBadArg, format("%s: pose %d is not rigid: expected a finite rotation, translation and the last row 0 0 0 1", name, i));
+        poses.push_back(nearestRigid(T));
+    }
+    return poses;
+}
+
+std::vector<Point3d> readBoard(InputArray array)
+{
+    std::vector<Point3d> points;
+    if (array.empty())
+        for (int i = 0; i < 4; i++) points.push_back(Point3d(i & 1 ? defaultBoard : -defaultBoard, i & 2 ? defaultBoard : -defaultBoard, 0));
+    const Mat rows = asRows(array, 3, "boardPoints");
+    for (int i = 0; i < rows.rows; i++) points.push_back(*rows.ptr<Point3d>(i));
+    return points;
+}
+
+HandEyeProblem readProblem(InputArray robotPoses, InputArray boardPoses, const HandEyeParams& params, const CameraModel& camera, InputArray boardPoints)
+{
+    std::vector<Matx44d> M = readTransforms(robotPoses, "robotPoses");
+    const std::vector<Matx44d> B = readTransforms(boardPoses, "boardPoses");
+    const std::vector<Point3d> points = readBoard(boardPoints);
+    CV_CheckEQ(M.size(), B.size(), "robotPoses and boardPoses: as many of the one as of the other");
+    if ((int)M.size() < leastPoses)
+        CV_Error(Error::StsBadSize, format("robotPoses: %d poses, expected at least %d", (int)M.size(), leastPoses));
+    if (params.setup == HAND_EYE_CAMERA_ON_ARM)
+        for (size_t i = 0; i < M.size(); i++) M[i] = rigidInverse(M[i]);
+    for (size_t i = 0; i < B.size() && !camera.imageSize().empty(); i++)
+        for (size_t j = 0; j < points.size(); j++)
+            if (!(transform(B[i], points[j]).z > 1e-3))
+                CV_Error(Error::StsBadArg, format("boardPoses: pose %d has a point of the board behind the camera", (int)i));
+    return HandEyeProblem(M, B, camera, points);
+}
+
+double median(std::vector<double> values)
+{
+    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+    return values[values.size() / 2];
+}
+
+//! The solution of a quadruple that has the smallest median error. @return false if none has any
+bool leastMedian(const HandEyeProblem& problem, int seed, HandEye& best)
+{
+    RNG rng(seed);
+    double least = DBL_MAX;
+    for (int k = 0; k < samples; k++)
+    {
+        Indices sample;
+        while ((int)sample.size() < sampleSize)
+        {
+            const int pose = rng.uniform(0, problem.size());
+            if (std::find(sample.begin(), sample.end(), pose) == sample.end()) sample.push_back(pose);
+        }
+        HandEye candidate;
+        if (!problem.solve(HAND_EYE_SHAH, sample, candidate)) continue;
+        std::vector<double> errors;
+        for (int i = 0; i < problem.size(); i++) errors.push_back(problem.weighted(problem.error(candidate, i).e));
+        const double m = median(errors);
+        if (m < least)
+        {
+            least = m;
+            best = candidate;
+        }
+    }
+    return least < DBL_MAX;
+}
+
+/* Errors of all poses as predicted from the kept ones without the pose itself: the error of a pose that took part in a fit is smaller
+   than that of one that did not, by much if there are few. */
+bool predictedErrors(const HandEyeProblem& problem, const Indices& kept, std::vector<Vec6d>& errors)
+{
+    const std::vector<Indices> groups = groupsOf(allOf(problem));
+    errors.resize(problem.size());
+    for (size_t g = 0; g < groups.size(); g++)
+    {
+        HandEye solution;
+        const Indices others = without(kept, groups[g]);
+        if (others.size() < 3 || !problem.solve(HAND_EYE_SHAH, others, solution)) return false;
+        problem.refine(others, solution);
+        for (size_t i = 0; i < groups[g].size(); i++) errors[groups[g][i]] = problem.error(solution, groups[g][i]).e;
+    }
+    return true;
+}
+
+//! The half of the poses that the solution fits best.
+Indices betterHalf(const HandEyeProblem& problem, const HandEye& solution)
+{
+    std::vector<std::pair<double, int> > order;
+    for (int i = 0; i < problem.size(); i++) order.push_back(std::make_pair(problem.weighted(problem.error(solution, i).e), i));
+    std::sort(order.begin(), order.end());
+    Indices half;
+    for (int i = 0; i < problem.size() / 2 + 1; i++) half.push_back(order[i].second);
+    std::sort(half.begin(), half.end());
+    return half;
+}
+
+//! The poses that fit each other; the problem's weights are then those of their errors.
+Indices keptPoses(HandEyeProblem& problem, const HandEyeParams& params)
+{
+    const Indices all = allOf(problem);
+    std::vector<Vec6d> errors;
+    HandEye start;
+    const bool reject = params.rejection > 0 && problem.size() >= leastToReject && leastMedian(problem, params.seed, start);
+    Indices kept = reject ? betterHalf(problem, start) : all;
+    for (int iteration = 0; iteration < 20; iteration++)
+    {
+        if (!predictedErrors(problem, kept, errors)) return all;
+        problem.weigh(errors);
+        Indices next;
+        for (size_t i = 0; i < all.size(); i++)
+            if (!reject || problem.weighted(errors[i]) <= params.rejection) next.push_back(all[i]);
+        if (next == kept) break;
+        kept = next;
+    }
+    return kept;
+}
+
+//! Root mean squares of errors.
+struct Sums
+{
+    Sums() : translation(0), rotation(0), pixels(0), n(0) {}
+    void add(const HandEyeError& e)
+    {
+        translation += e.translation * e.translation;
+        rotation += e.rotation * e.rotation;
+        pixels += e.pixels * e.pixels;
+        n++;
+    }
+    double mean(double sum) const { return std::sqrt(sum / n); }
+    double translation, rotation, pixels;
+    int n;
+};
+
+//! A method's solutions: from all poses, and from all but a group each.
+struct Solutions
+{
+    Solutions() : valid(false), leftOut(DBL_MAX) {}
+    bool valid;
+    double leftOut;    //!< weighted error of the poses left out; what methods are compared by
+    HandEye all;
+    std::vector<HandEye> others;
+};
+
+//! start: for HAND_EYE_REFINED, else not read
+Solutions solveAll(const HandEyeProblem& problem, const Indices& poses, int method, const Solutions& start)
+{
+    const std::vector<Indices> groups = groupsOf(poses);
+    const bool refined = method == HAND_EYE_REFINED;
+    Solutions s = start;
+    s.leftOut = DBL_MAX;
+    s.others.resize(groups.size());
+    s.valid = refined ? start.valid : problem.solve(method, poses, s.all);
+    if (refined && s.valid) problem.refine(poses, s.all);
+    double sum = 0;
+    for (size_t g = 0; g < groups.size() && s.valid; g++)
+    {
+        const Indices rest = without(poses, groups[g]);
+        s.valid = refined || (rest.size() >= 3 && problem.solve(method, rest, s.others[g]));
+        if (refined) problem.refine(rest, s.others[g]);
+        for (size_t i = 0; i < groups[g].size() && s.valid; i++)
+            sum += std::pow(problem.weighted(problem.error(s.others[g], groups[g][i]).e), 2);
+    }
+    if (s.valid) s.leftOut = std::sqrt(sum / poses.size());
+    return s;
+}
+
+/* Standard deviations by the jackknife: (n - 1) / n times the sum of the squared differences from the mean. Of the translation where
+   the board was: that of the mount's origin, which is far away, would say more of the rotation. */
+void measureSpread(const HandEyeProblem& problem, const Indices& poses, const Solutions& s, HandEyeFit& fit)
+{
+    Point3d place;
+    for (size_t i = 0; i < poses.size(); i++) place += transform(problem.B()[poses[i]], problem.middle()) * (1. / poses.size());
+    const Point3d mountPlace = transform(rigidInverse(s.all.X), place);
+    Matx44d sum = Matx44d::zeros();
+    for (size_t g = 0; g < s.others.size(); g++) sum += s.others[g].X;
+    const Matx44d mean = nearestRigid(sum * (1. / s.others.size()));
+    double translation = 0, rotation = 0;
+    for (size_t g = 0; g < s.others.size(); g++)
+    {
+        Matx31d angle;
+        const Matx44d difference = rigidInverse(mean) * s.others[g].X;
+        rotationVector(difference.get_minor<3, 3>(0, 0), angle);
+        const Point3d d = transform(s.others[g].X, mountPlace) - transform(mean, mountPlace);
+        translation += d.dot(d);
+        rotation += angle.dot(angle);
+    }
+    const double factor = (s.others.size() - 1.) / s.others.size();
+    fit.spreadTranslation = std::sqrt(factor * translation);
+    fit.spreadRotation = std::sqrt(factor * rotation);
+}
+
+HandEyeFit describe(const HandEyeProblem& problem, const Indices& poses, int method, const Solutions& s)
+{
+    HandEyeFit fit;
+    fit.method = method;
+    fit.valid = s.valid;
+    if (!s.valid) return fit;
+    fit.camera_T_mount = s.all.X;
+    fit.holder_T_board = s.all.Y;
+    const std::vector<Indices> groups = groupsOf(poses);
+    Sums in, out;
+    for (size_t g = 0; g < groups.size(); g++)
+        for (size_t i = 0; i < groups[g].size(); i++)
+        {
+            in.add(problem.error(s.all, groups[g][i]));
+            out.add(problem.error(s.others[g], groups[g][i]));
+        }
+    fit.translation = in.mean(in.translation);
+    fit.rotation = in.mean(in.rotation);
+    fit.pixels = in.mean(in.pixels);
+    fit.leftOutTranslation = out.mean(out.translation);
+    fit.leftOutRotation = out.mean(out.rotation);
+    fit.leftOutPixels = out.mean(out.pixels);
+    measureSpread(problem, poses, s, fit);
+    return fit;
+}
+
+} // namespace
+
+HandEyeParams::HandEyeParams() : setup(HAND_EYE_BOARD_ON_TOOL), method(HAND_EYE_BEST), rejection(3), seed(1) {}
+
+HandEyeFit::HandEyeFit()
+    : method(HAND_EYE_BEST), valid(false), camera_T_mount(Matx44d::eye()), holder_T_board(Matx44d::eye()), translation(0), rotation(0), pixels(0),
+      leftOutTranslation(0), leftOutRotation(0), leftOutPixels(0), spreadTranslation(0), spreadRotation(0)
+{
+}
+
+HandEyeResult::HandEyeResult() : largestRotation(0), crossRotation(0) {}
+
+String handEyeMethodName(int method)
+{
+    CV_CheckGE(method, (int)HAND_EYE_BEST, "method");
+    CV_CheckLE(method, (int)HAND_EYE_REFINED, "method");
+    return names[method + 1];
+}
+
+bool estimateHandEye(InputArray robotPoses, InputArray boardPoses, HandEyeResult& result, const HandEyeParams& params, const CameraModel& camera,
+                     InputArray boardPoints)
+{
+    CV_Assert((params.setup == HAND_EYE_BOARD_ON_TOOL || params.setup == HAND_EYE_CAMERA_ON_ARM) && "params.setup is none of HandEyeSetup");
+    CV_Assert(params.method >= HAND_EYE_BEST && params.method <= HAND_EYE_REFINED && "params.method is none of HandEyeMethod");
+    CV_Assert((params.rejection == 0 || (params.rejection >= 1 && params.rejection < DBL_MAX)) && "params.rejection must be 0 or at least 1");
+    HandEyeProblem problem = readProblem(robotPoses, boardPoses, params, camera, boardPoints);
+    result = HandEyeResult();
+    const Indices kept = keptPoses(problem, params);
+    for (int i = 0; i < problem.size(); i++)
+        if (std::find(kept.begin(), kept.end(), i) == kept.end()) result.rejected.push_back(i);
+
+    std::vector<Solutions> solutions;
+    int best = 0;
+    for (int method = 0; method <= HAND_EYE_REFINED; method++)
+    {
+        solutions.push_back(solveAll(problem, kept, method, solutions.empty() ? Solutions() : solutions[best]));
+        result.fits.push_back(describe(problem, kept, method, solutions[method]));
+        if (solutions[method].leftOut < solutions[best].leftOut) best = method;
+    }
+    const int chosen = params.method == HAND_EYE_BEST ? best : params.method;
+    result.best = result.fits[chosen];
+    result.residuals = Mat::zeros(problem.size(), 3, CV_64F);
+    for (int i = 0; i < problem.size() && result.best.valid; i++)
+    {
+        const HandEyeError e = problem.error(solutions[chosen].all, i);
+        const double row[] = { e.translation, e.rotation, e.pixels };
+        std::copy(row, row + 3, result.residuals.ptr<double>(i));
+    }
+    judgeHandEye(problem, kept, result);
+    return result.reason.empty();
+}
+
+}} // namespace cv::surgtrack
