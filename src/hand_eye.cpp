@@ -11,6 +11,7 @@ namespace cv { namespace surgtrack {
 namespace {
 
 const int leastPoses = 4;               // three to calibrate, one to check
+const int mostPoses = 200;              // the methods look at all pairs
 const int leastToReject = 6;
 const int sampleSize = 4, samples = 200;
 const size_t mostGroups = 30;              // more poses than this are left out several at a time
@@ -79,6 +80,8 @@ HandEyeProblem readProblem(InputArray robotPoses, InputArray boardPoses, const H
     CV_CheckEQ(M.size(), B.size(), "robotPoses and boardPoses: as many of the one as of the other");
     if ((int)M.size() < leastPoses)
         CV_Error(Error::StsBadSize, format("robotPoses: %d poses, expected at least %d", (int)M.size(), leastPoses));
+    if ((int)M.size() > mostPoses)
+        CV_Error(Error::StsBadSize, format("robotPoses: %d poses, expected at most %d", (int)M.size(), mostPoses));
     if (params.setup == HAND_EYE_CAMERA_ON_ARM)
         for (size_t i = 0; i < M.size(); i++) M[i] = rigidInverse(M[i]);
     for (size_t i = 0; i < B.size() && !camera.imageSize().empty(); i++)

@@ -20,7 +20,7 @@ typedef Matx<double, 12, 1> Vector12;
 
 const double nearest = 1e-3;                  // [m]; points nearer than this are not seen
 const double leastShift = 1e-5, leastAngle = 1e-4;    // deviations [m], [rad]; no robot and no board is known better
-const double robotShift = 1e-3, robotAngle = CV_PI / 180;    // deviations to begin with; what a cable-driven robot has
+const double robotShift = 1e-3, robotAngle = CV_PI / 180;    // the same, to begin with; what a cable-driven robot has
 const double largestError = 1e6;
 
 Matx33d rotationOf(const Matx44d& T) { return T.get_minor<3, 3>(0, 0); }
@@ -45,10 +45,10 @@ Matx44d exponential(const double* v)
 
 Matx33d skew(const Point3d& p) { return Matx33d(0, -p.z, p.y, p.z, 0, -p.x, -p.y, p.x, 0); }
 
-void split(const Matx44d& T, std::vector<Mat>& R, std::vector<Mat>& t)
+void split(const Matx44d& T, double unit, std::vector<Mat>& R, std::vector<Mat>& t)
 {
     R.push_back(Mat(rotationOf(T)));
-    t.push_back(Mat(T.get_minor<3, 1>(0, 3)));
+    t.push_back(Mat(T.get_minor<3, 1>(0, 3) * unit));
 }
 
 //! The nearest rigid transform, if there is one.
@@ -132,12 +132,15 @@ bool HandEyeProblem::solve(int method, const std::vector<int>& poses, HandEye& s
 {
     CV_Assert(poses.size() >= 3);
     const bool robotWorld = method == HAND_EYE_SHAH || method == HAND_EYE_LI;
+    // Andreff and Li weigh equations of rotations and of translations alike, so the unit of length is a weight: errors of both shall have
+    // the same size. In metres the rotations would shrink with the noise, and the translations be off by centimetres.
+    const double unit = deviation_[3] / deviation_[0];
     std::vector<Mat> robotR, robotT, boardR, boardT;
     for (size_t i = 0; i < poses.size(); i++)
     {
         // gripper2base of calibrateHandEye() is holder_T_mount, base2gripper of calibrateRobotWorldHandEye() is mount_T_holder
-        split(robotWorld ? M_[poses[i]] : rigidInverse(M_[poses[i]]), robotR, robotT);
-        split(B_[poses[i]], boardR, boardT);
+        split(robotWorld ? M_[poses[i]] : rigidInverse(M_[poses[i]]), unit, robotR, robotT);
+        split(B_[poses[i]], unit, boardR, boardT);
     }
     Matx33d R, worldR;
     Matx31d t, worldT;
@@ -145,8 +148,8 @@ bool HandEyeProblem::solve(int method, const std::vector<int>& poses, HandEye& s
     {
         calibrateRobotWorldHandEye(boardR, boardT, robotR, robotT, worldR, worldT, R, t,
                                    method == HAND_EYE_SHAH ? CALIB_ROBOT_WORLD_HAND_EYE_SHAH : CALIB_ROBOT_WORLD_HAND_EYE_LI);
-        solution.X = rigidTransform(R, t);                // gripper2cam
-        solution.Y = rigidTransform(worldR, worldT);      // base2world, to be inverted
+        solution.X = rigidTransform(R, t * (1 / unit));                // gripper2cam
+        solution.Y = rigidTransform(worldR, worldT * (1 / unit));      // base2world, to be inverted
         if (!makeRigid(solution.X) || !makeRigid(solution.Y)) return false;
         solution.Y = rigidInverse(solution.Y);
         return true;
@@ -154,7 +157,7 @@ bool HandEyeProblem::solve(int method, const std::vector<int>& poses, HandEye& s
     const HandEyeCalibrationMethod methods[] = { CALIB_HAND_EYE_TSAI, CALIB_HAND_EYE_PARK, CALIB_HAND_EYE_HORAUD, CALIB_HAND_EYE_ANDREFF,
                                                  CALIB_HAND_EYE_DANIILIDIS };
     calibrateHandEye(robotR, robotT, boardR, boardT, R, t, methods[method]);
-    solution.X = rigidTransform(R, t);                    // cam2gripper, to be inverted
+    solution.X = rigidTransform(R, t * (1 / unit));                    // cam2gripper, to be inverted
     if (!makeRigid(solution.X)) return false;
     solution.X = rigidInverse(solution.X);
     solution.Y = meanBoard(*this, poses, solution.X);

@@ -90,7 +90,7 @@ square of three translations and three rotations). With less than six poses none
 sight and across, are taken from the medians of these errors. Each pose is then left out once, of more than 30 poses every
 thirtieth, and predicted from the others: the method with the smallest of these errors, in standard deviations, is the best.
 
-@param robotPoses N poses, N x 4 x 4 (or N x 16), floating, rigid [m], N >= 4: HAND_EYE_BOARD_ON_TOOL base_T_tool, HAND_EYE_CAMERA_ON_ARM
+@param robotPoses N poses, N x 4 x 4 (or N x 16), floating, rigid [m], N from 4 to 200: HAND_EYE_BOARD_ON_TOOL base_T_tool, HAND_EYE_CAMERA_ON_ARM
 base_T_arm of the arm that holds the camera
 @param boardPoses as many poses camera_T_board, as findBoard() gives them
 @param result after false `best` must not be relied on, and `reason` says why
