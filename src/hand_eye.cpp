@@ -129,16 +129,20 @@ bool leastMedian(const HandEyeProblem& problem, int seed, HandEye& best)
 bool predictedErrors(const HandEyeProblem& problem, const Indices& kept, std::vector<Vec6d>& errors)
 {
     const std::vector<Indices> groups = groupsOf(allOf(problem));
+    std::vector<uchar> solved(groups.size());
     errors.resize(problem.size());
-    for (size_t g = 0; g < groups.size(); g++)
+    parallel_for_(Range(0, (int)groups.size()), [&](const Range& range)
     {
-        HandEye solution;
-        const Indices others = without(kept, groups[g]);
-        if (others.size() < 3 || !problem.solve(HAND_EYE_SHAH, others, solution)) return false;
-        problem.refine(others, solution);
-        for (size_t i = 0; i < groups[g].size(); i++) errors[groups[g][i]] = problem.error(solution, groups[g][i]).e;
-    }
-    return true;
+        for (int g = range.start; g < range.end; g++)
+        {
+            HandEye solution;
+            const Indices others = without(kept, groups[g]);
+            solved[g] = problem.solve(HAND_EYE_SHAH, others, solution);
+            if (solved[g]) problem.refine(others, solution);
+            for (size_t i = 0; i < groups[g].size() && solved[g]; i++) errors[groups[g][i]] = problem.error(solution, groups[g][i]).e;
+        }
+    });
+    return std::count(solved.begin(), solved.end(), 0) == 0;
 }
 
 //! The half of the poses that the solution fits best.
@@ -209,16 +213,22 @@ Solutions solveAll(const HandEyeProblem& problem, const Indices& poses, int meth
     s.leftOut = DBL_MAX;
     s.others.resize(groups.size());
     s.valid = refined ? start.valid : problem.solve(method, poses, s.all);
-    if (refined && s.valid) problem.refine(poses, s.all);
+    if (!s.valid) return s;
+    if (refined) problem.refine(poses, s.all);
+    std::vector<uchar> solved(groups.size(), 1);
+    parallel_for_(Range(0, (int)groups.size()), [&](const Range& range)
+    {
+        for (int g = range.start; g < range.end; g++)
+        {
+            const Indices rest = without(poses, groups[g]);
+            if (refined) problem.refine(rest, s.others[g]);
+            else solved[g] = problem.solve(method, rest, s.others[g]);
+        }
+    });
+    s.valid = std::count(solved.begin(), solved.end(), 0) == 0;
     double sum = 0;
     for (size_t g = 0; g < groups.size() && s.valid; g++)
-    {
-        const Indices rest = without(poses, groups[g]);
-        s.valid = refined || (rest.size() >= 3 && problem.solve(method, rest, s.others[g]));
-        if (refined) problem.refine(rest, s.others[g]);
-        for (size_t i = 0; i < groups[g].size() && s.valid; i++)
-            sum += std::pow(problem.weighted(problem.error(s.others[g], groups[g][i]).e), 2);
-    }
+        for (size_t i = 0; i < groups[g].size(); i++) sum += std::pow(problem.weighted(problem.error(s.others[g], groups[g][i]).e), 2);
     if (s.valid) s.leftOut = std::sqrt(sum / poses.size());
     return s;
 }

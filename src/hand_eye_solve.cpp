@@ -128,9 +128,8 @@ void HandEyeProblem::weigh(const std::vector<Vec6d>& errors)
     }
 }
 
-bool HandEyeProblem::solve(int method, const std::vector<int>& poses, HandEye& solution) const
+bool HandEyeProblem::solveClosed(int method, const std::vector<int>& poses, HandEye& solution) const
 {
-    CV_Assert(poses.size() >= 3);
     const bool robotWorld = method == HAND_EYE_SHAH || method == HAND_EYE_LI;
     // Andreff and Li weigh equations of rotations and of translations alike, so the unit of length is a weight: errors of both shall have
     // the same size. In metres the rotations would shrink with the noise, and the translations be off by centimetres.
@@ -162,6 +161,19 @@ bool HandEyeProblem::solve(int method, const std::vector<int>& poses, HandEye& s
     solution.X = rigidInverse(solution.X);
     solution.Y = meanBoard(*this, poses, solution.X);
     return makeRigid(solution.Y);
+}
+
+bool HandEyeProblem::solve(int method, const std::vector<int>& poses, HandEye& solution) const
+{
+    if (poses.size() < 3) return false;
+    try
+    {
+        return solveClosed(method, poses, solution);
+    }
+    catch (const Exception&)    // a rotation of determinant 0, if nothing turns
+    {
+        return false;
+    }
 }
 
 double HandEyeProblem::cost(const std::vector<int>& poses, const HandEye& solution, Matrix12* A, Vector12* b) const

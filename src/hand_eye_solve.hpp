@@ -48,13 +48,14 @@ public:
     //! tilt less than its roll, and the robot errs too; by how much is seen in the errors only.
     void weigh(const std::vector<Vec6d>& errors);
 
-    //! One of the methods but HAND_EYE_REFINED, from some of the poses, at least 3. @return false if it has no finite answer
+    //! One of the methods but HAND_EYE_REFINED, from some of the poses. @return false if it has no finite answer
     bool solve(int method, const std::vector<int>& poses, HandEye& solution) const;
 
     //! Least squares of the weighted errors.
     void refine(const std::vector<int>& poses, HandEye& solution) const;
 
 private:
+    bool solveClosed(int method, const std::vector<int>& poses, HandEye& solution) const;
     //! Sum of squares; on request normal equations, A dx = b, in x = rotation and translation of X, then of Y.
     double cost(const std::vector<int>& poses, const HandEye& solution, Matx<double, 12, 12>* A, Matx<double, 12, 1>* b) const;
 
