@@ -365,6 +365,27 @@ same_but_the_matrix() {
   diff <(sed '/data: \[/,/\]/d' "$1") <(sed '/data: \[/,/\]/d' "$2")
 }
 
+# doc_commands FILE FOLDER: its shell blocks, one after the other, pasted into a shell in a folder that looks like the repository's.
+doc_commands() {
+  mkdir "$2"
+  ln -s "$BUILD_DIR" "$2/build"
+  ln -s "$REPO/misc" "$REPO/samples" "$2"
+  (
+    cd "$2"
+    python3() { PYTHONDONTWRITEBYTECODE=1 "$PYTHON" "$@"; }
+    set -e
+    eval "$(sed -n '/^```sh$/,/^```$/{/^```/d;p}' "$REPO/doc/$1")"
+  )
+}
+
+# doc_python FILE FOLDER: its Python blocks, in one program, where the commands ran.
+doc_python() {
+  (
+    cd "$2"
+    python_cv2 -c "$(sed -n '/^```python$/,/^```$/{/^```/d;p}' "$REPO/doc/$1")"
+  )
+}
+
 run_handeye() {
   local work="$1/hand-eye" hand_eye="$BUILD_DIR/bin/example_surgtrack_hand_eye" make="$BUILD_DIR/bin/example_surgtrack_make_sequence"
   mkdir "$work"
@@ -409,6 +430,8 @@ run_handeye() {
   sample "refused: millimetres" refuses "expected metres" "$hand_eye" --robot="$work/mm.csv" --board-poses="$data/board.csv"
   awk -F, -v OFS=, 'NR > 1 { $5 = $6 = $7 = 0; $8 = 1 } 1' "$data/robot.csv" >"$work/still.csv"
   sample "refused: an arm that does not turn" refuses "one axis only" "$hand_eye" --robot="$work/still.csv" --board-poses="$data/board.csv"
+  sample "the commands of own_robot.md" doc_commands own_robot.md "$work/doc"
+  sample "its Python" doc_python own_robot.md "$work/doc"
 }
 
 run_samples() {
