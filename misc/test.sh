@@ -372,9 +372,9 @@ doc_commands() {
   ln -s "$REPO/misc" "$REPO/samples" "$2"
   (
     cd "$2"
-    python3() { PYTHONDONTWRITEBYTECODE=1 "$PYTHON" "$@"; }
-    set -e
-    eval "$(sed -n '/^```sh$/,/^```$/{/^```/d;p}' "$REPO/doc/$1")"
+    mkdir python
+    ln -s "$PYTHON" python/python3
+    PATH="$PWD/python:$PATH" PYTHONDONTWRITEBYTECODE=1 bash -euo pipefail -c "$(sed -n '/^```sh$/,/^```$/{/^```/d;p}' "$REPO/doc/$1")"
   )
 }
 
