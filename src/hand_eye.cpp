@@ -21,9 +21,8 @@ std::vector<Matx44d> readTransforms(InputArray array, const char* name)
     if ((m.depth() != CV_64F && m.depth() != CV_32F) || m.total() * m.channels() % 16 != 0)
         CV_Error(Error::StsBadArg, format("%s must be N x 4 x 4 and floating point, is of type %s with %d numbers", name,
                                           typeToString(m.type()).c_str(), (int)(m.total() * m.channels())));
-    m = m.clone();    // continuous
-    m = m.reshape(1, (int)(m.total() * m.channels() / 16));
-    m.convertTo(m, CV_64F);
+    const Mat continuous = m.clone();
+    Mat((int)(m.total() * m.channels() / 16), 16, m.depth(), continuous.data).convertTo(m, CV_64F);    // whatever its dimensions
     std::vector<Matx44d> poses;
     for (int i = 0; i < m.rows; i++)
     {

@@ -282,6 +282,11 @@ TEST(SurgTrack_HandEye, theSameInputHasTheSameResultInAnyLayout)
     EXPECT_EQ(a.best.camera_T_mount, b.best.camera_T_mount);
     EXPECT_EQ(a.best.camera_T_mount, c.best.camera_T_mount);
     EXPECT_EQ(a.best.spreadTranslation, c.best.spreadTranslation);
+    const int sizes[] = { 12, 4, 4 };
+    Mat robot = rowsOf(r.robot), board = rowsOf(r.board);
+    HandEyeResult d;
+    ASSERT_TRUE(estimateHandEye(Mat(3, sizes, CV_64F, robot.data), Mat(3, sizes, CV_64F, board.data), d));
+    EXPECT_EQ(a.best.camera_T_mount, d.best.camera_T_mount);
 }
 
 TEST(SurgTrack_HandEye, aWrongCallIsRefused)
@@ -291,6 +296,7 @@ TEST(SurgTrack_HandEye, aWrongCallIsRefused)
     std::vector<Matx44d> robot = r.robot, three(robot.begin(), robot.begin() + 3);
     EXPECT_ERROR(estimateHandEye(three, three, result), "robotPoses: 3 poses, expected at least 4");
     EXPECT_ERROR(estimateHandEye(three, r.board, result), "robotPoses and boardPoses");
+    EXPECT_ERROR(estimateHandEye(noArray(), r.board, result), "robotPoses");
     EXPECT_ERROR(estimateHandEye(Mat::eye(4, 3, CV_64F), r.board, result), "robotPoses must be N x 4 x 4");
     robot[6](1, 1) = std::numeric_limits<double>::quiet_NaN();
     EXPECT_ERROR(estimateHandEye(robot, r.board, result), "robotPoses: pose 6 is not rigid");
