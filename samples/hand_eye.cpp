@@ -29,7 +29,7 @@ const char* const KEYS =
     "{ base          |        | the same: base of the instrument's arm in the base of the arm that holds the camera }"
     "{ quiet         |        | no progress }";
 
-const int mostPoses = 100;    // more take minutes, and add little
+const int mostPoses = 60;    // time grows with the square of their number; more add little
 
 struct Options
 {
