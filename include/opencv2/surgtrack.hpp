@@ -53,6 +53,7 @@ readings plus ToolEstimate::jointOffsets. With a right camera all poses are in t
 #include "opencv2/surgtrack/scene_view.hpp"
 #include "opencv2/surgtrack/sequence.hpp"
 #include "opencv2/surgtrack/time_offset.hpp"
+#include "opencv2/surgtrack/hand_eye.hpp"
 #include "opencv2/surgtrack/synthetic.hpp"
 #include "opencv2/surgtrack/import.hpp"
 

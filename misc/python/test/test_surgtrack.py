@@ -517,6 +517,63 @@ class surgtrack_test(NewOpenCVTests):
         with self.assertRaises(cv.error):   # no right camera is known
             st.ToolTracker.create(scene.camera(), params).updateStereo(image, image, 0., [])
 
+    # A board on the instrument, in front of a camera that stands.
+    def hand_eye_recording(self, poses):
+        rng = np.random.RandomState(3)
+        camera_T_base, tool_T_board = rigid([0.5, 2, -1], [0.05, -0.08, 0.03]), rigid([0.2, 2.9, -0.3], [0.004, -0.006, 0.012])
+        board = [rigid(rng.uniform(-0.5, 0.5, 3), rng.uniform([-0.02, -0.015, 0.08], [0.02, 0.015, 0.12])) for _ in range(poses)]
+        robot = [np.linalg.inv(camera_T_base).dot(T).dot(np.linalg.inv(tool_T_board)) for T in board]
+        return camera_T_base, np.array(robot), np.array(board)
+
+    def test_hand_eye(self):
+        camera_T_base, robot, board = self.hand_eye_recording(12)
+        points = st.getBoardPoints(st.CalibrationBoard())
+        self.assertEqual(points.shape, (44, 3))
+        told, result = st.estimateHandEye(robot, board, camera=self.camera, boardPoints=points)
+        self.assertTrue(told, result.reason)
+        np.testing.assert_allclose(result.best.camera_T_mount, camera_T_base, atol=1e-9)   # exact but for rounding
+        self.assertEqual([st.handEyeMethodName(fit.method) for fit in result.fits],
+                         ['tsai', 'park', 'horaud', 'andreff', 'daniilidis', 'shah', 'li', 'refined'])
+        self.assertEqual(len(result.rejected), 0)
+        self.assertEqual(len(result.warnings), 0)
+        self.assertEqual(result.residuals.shape, (12, 3))
+        params = st.HandEyeParams()
+        params.setup, params.method = st.HAND_EYE_CAMERA_ON_ARM, st.HAND_EYE_TSAI
+        told, result = st.estimateHandEye(np.linalg.inv(robot), board, params)
+        self.assertTrue(told, result.reason)
+        self.assertEqual(result.best.method, st.HAND_EYE_TSAI)
+        np.testing.assert_allclose(result.best.camera_T_mount, camera_T_base, atol=1e-9)   # the same by the other set-up
+        with self.assertRaises(cv.error):
+            st.estimateHandEye(robot[:3], board[:3])
+
+    def test_hand_eye_files(self):
+        filename = self.path('poses.csv')
+        with open(filename, 'w') as poses:
+            poses.write('index,tx,ty,tz,qx,qy,qz,qw\n3,0.1,0.2,0.3,0,0,0,1\n7,0,0,0.1,0,0,0.6,0.8\n')
+        by_time, keys, matrices = st.readPoses(filename)
+        self.assertFalse(by_time)
+        np.testing.assert_array_equal(np.ravel(keys), [3, 7])
+        np.testing.assert_array_equal(matrices.reshape(-1, 4, 4)[0, :3, 3], [0.1, 0.2, 0.3])
+        folder = self.path('sequence')
+        self.scene().write(folder)
+        before = st.Sequence.load(folder)
+        camera_T_base = rigid([0.1, 0.2, 0.3], [0.01, -0.02, 0.03])
+        st.writeHandEye(folder, before.tool(0).name, camera_T_base)
+        np.testing.assert_array_equal(st.Sequence.load(folder).tool(0).nominal_T_base, camera_T_base)
+        with self.assertRaises(cv.error):
+            st.writeHandEye(folder, 'none', camera_T_base)
+
+    def test_board_is_found(self):
+        image = np.full((576, 720), 230, np.uint8)
+        for x, y, _ in st.getBoardPoints(st.CalibrationBoard()) / 0.0015 * 20:
+            cv.circle(image, (int(16 * (250 + x)), int(16 * (180 + y))), 16 * 8, 25, cv.FILLED, cv.LINE_AA, 4)   # 1/16 pixel
+        found, camera_T_board, points, error = st.findBoard(image, self.camera, st.CalibrationBoard())
+        self.assertTrue(found)
+        self.assertEqual(points.shape, (44, 2))
+        self.assertLess(error, 1)   # fx is not quite fy
+        self.assertAlmostEqual(camera_T_board[2, 3], 0.0615, delta=0.002)   # 820 pixel * 1.5 mm / 20 pixel
+        self.assertFalse(st.findBoard(np.zeros_like(image), self.camera, st.CalibrationBoard())[0])
+
 
 if __name__ == '__main__':
     NewOpenCVTests.bootstrap()
