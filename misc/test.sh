@@ -320,6 +320,31 @@ run_stereo() {
   sample "refused: no right video" refuses "right.mp4" "$track" --sequence="$work/left-ends" --stereo --quiet
 }
 
+# The loopback tests, and the commands of doc/live.md as they stand there.
+run_live() {
+  local work="$1" live="$BUILD_DIR/bin/example_surgtrack_live" sender="$REPO/samples/send_joints.py"
+  run_unittest "Python tests, live" "$LOGS/test-live.log" env "SURGTRACK_BIN=$BUILD_DIR/bin" \
+    "PYTHONPATH=$BUILD_DIR/python_loader" PYTHONDONTWRITEBYTECODE=1 "$PYTHON" "$REPO/misc/python/test/test_live.py"
+  sample "commands of doc/live.md" documented_live "$work"
+  sample "their poses" poses_complete "$work/live-doc/poses.csv" 100
+  sample "refused: live without a sequence" refuses --sequence "$live"
+  sample "refused: joints without kinematics" refuses "$work/none/kinematics.csv" "$PYTHON" "$sender" --sequence="$work/none"
+  sample "refused: joints to nowhere" refuses "--to=nowhere" "$PYTHON" "$sender" --sequence="$work/sequence" --to=nowhere
+}
+
+# documented_live WORK: the commands of doc/live.md that end by themselves, pasted into a shell in an empty folder. They find the
+# programs, samples and bindings where README says they are.
+documented_live() {
+  local work="$1/live-doc"
+  rm -rf "$work"
+  mkdir "$work"
+  ln -s "$BUILD_DIR" "$work/build"
+  ln -s "$REPO/samples" "$work/samples"
+  sed -n '/^```bash$/,/^```$/p' "$REPO/doc/live.md" | grep -v '^```' >"$work/commands.sh"
+  [[ -s "$work/commands.sh" ]] || return 1
+  (cd "$work" && limited bash -e commands.sh)
+}
+
 run_samples() {
   local work="$BUILD_DIR/test-samples" frames=12
   local track="$BUILD_DIR/bin/example_surgtrack_track_sequence" make="$BUILD_DIR/bin/example_surgtrack_make_sequence"
@@ -351,6 +376,7 @@ run_samples() {
   sample "its table" grep -q 'Tools Tracker update' "$work/performance.md"
   run_evaluation "$work"
   run_stereo "$work"
+  run_live "$work"
   sample "refused: no such sequence" refuses "$work/none" "$track" --sequence="$work/none"
   sample "refused: no such method" refuses method "$track" --sequence="$work/sequence" --method=none
   sample "refused: output folder missing" refuses "$work/none/poses.csv" "$track" --sequence="$work/sequence" \

@@ -52,5 +52,6 @@ readings plus ToolEstimate::jointOffsets. With a right camera all poses are in t
 #include "opencv2/surgtrack/sequence.hpp"
 #include "opencv2/surgtrack/time_offset.hpp"
 #include "opencv2/surgtrack/synthetic.hpp"
+#include "opencv2/surgtrack/live.hpp"
 
 #endif

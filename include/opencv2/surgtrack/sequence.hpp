@@ -29,14 +29,16 @@ class CV_EXPORTS_W Sequence
 {
 public:
     /** @param folder the folder, or its sequence.yaml
+    @param recorded false: only cameras and tools are read, for live use; there need be no videos and CSV files, and asking for
+    joints or truth is an error
     @throws cv::Exception naming file, key or line and what was expected */
-    CV_WRAP static Ptr<Sequence> load(const String& folder);
+    CV_WRAP static Ptr<Sequence> load(const String& folder, bool recorded = true);
 
     CV_WRAP String name() const { return name_; }
     CV_WRAP double fps() const { return fps_; }
     CV_WRAP CameraModel leftCamera() const { return left_; }
     CV_WRAP CameraModel rightCamera() const { return right_; }         //!< empty size if mono
-    CV_WRAP String leftVideo() const { return leftVideo_; }            //!< path; may lie outside the folder
+    CV_WRAP String leftVideo() const { return leftVideo_; }            //!< path; may lie outside the folder. Empty if not recorded and not named
     CV_WRAP String rightVideo() const { return rightVideo_; }          //!< empty if mono
     CV_WRAP Matx44d right_T_left() const { return right_T_left_; }
     CV_WRAP bool isStereo() const { return !rightVideo_.empty(); }
@@ -79,7 +81,7 @@ private:
     struct Truth { Matx44d camera_T_tool; std::vector<double> joints; };
 
     Sequence();
-    void readDescription(const String& folder, const String& filename);
+    void readDescription(const String& folder, const String& filename, bool recorded);
     void readKinematics();
     void readGroundTruth();
     const JointRecords& records(int tool) const;

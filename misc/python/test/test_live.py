@@ -1,0 +1,447 @@
+#!/usr/bin/env python3
+"""Live tracking over the loopback: example_surgtrack_live and send_joints.py on a synthetic sequence, and what ros2_node.py does
+without ROS. SURGTRACK_BIN is the folder of the samples' programs."""
+
+import contextlib
+import csv
+import importlib.util
+import json
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import types
+import unittest
+
+import numpy as np
+import cv2 as cv
+
+st = cv.surgtrack
+SAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', '..', 'samples')
+BIN = os.environ.get('SURGTRACK_BIN', '')
+LIVE = os.path.join(BIN, 'example_surgtrack_live')
+FRAMES = 24
+TIMEOUT = 120       # [s]; of a run that takes some seconds
+
+
+def free_ports(count):
+    sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(count)]
+    for s in sockets:
+        s.bind(('127.0.0.1', 0))
+    ports = [s.getsockname()[1] for s in sockets]
+    for s in sockets:
+        s.close()
+    return ports
+
+
+def read_table(filename):
+    with open(filename, newline='') as f:
+        return list(csv.DictReader(f))
+
+
+class Result:
+    """A run: its exit code, output, the rows of its poses file and the messages it sent."""
+
+    def numbers(self):
+        """images, answered, dropped for a newer one, dropped without joint readings"""
+        found = re.search(r'(\d+) images, (\d+) answered, (\d+) dropped for a newer one, (\d+) dropped without joint readings', self.output)
+        return [int(n) for n in found.groups()]
+
+    def malformed(self):
+        return int(re.search(r'(\d+) malformed', self.output).group(1))
+
+
+@unittest.skipUnless(os.path.exists(LIVE), 'SURGTRACK_BIN names no folder with example_surgtrack_live')
+class LiveTest(unittest.TestCase):
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp()
+        make = os.path.join(BIN, 'example_surgtrack_make_sequence')
+        for name, tools in (('one', 1), ('two', 2)):
+            subprocess.check_call([make, '--out=' + os.path.join(cls.folder, name), '--frames=%d' % FRAMES, '--tools=%d' % tools,
+                                   '--width=480', '--height=384', '--seed=4', '--stereo', '--quiet'])
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+
+    def sequence(self, name):
+        return os.path.join(self.folder, name)
+
+    @contextlib.contextmanager
+    def live(self, *arguments):
+        """The program, once it listens."""
+        process = subprocess.Popen([LIVE] + list(arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+        try:
+            line = process.stderr.readline()
+            self.assertEqual(line, 'waiting for joint readings\n', line + process.stderr.read() if line != 'waiting for joint readings\n' else '')
+            yield process
+        finally:
+            if process.poll() is None:
+                process.kill()
+            process.communicate()
+
+    def send(self, *arguments):
+        return subprocess.Popen([sys.executable, os.path.join(SAMPLES, 'send_joints.py')] + list(arguments), stdout=subprocess.PIPE,
+                                universal_newlines=True)
+
+    def run_live(self, name, live=(), send=(), joints=None, to=None):
+        """Tracks a sequence that is played at 8 images a second, a third of its pace: a busy machine keeps up, too."""
+        port, back = free_ports(2)
+        receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        receiver.bind(('127.0.0.1', back))
+        receiver.settimeout(0.2)
+        poses = os.path.join(self.folder, 'poses.csv')
+        result = Result()
+        with self.live('--sequence=' + self.sequence(name), '--joints=' + (joints or str(port)), '--poses=' + poses,
+                       '--send=127.0.0.1:%d' % back, '--fps=8', *live) as process:
+            sender = self.send('--sequence=' + self.sequence(name), '--speed=0.32', *(to or ['--to=127.0.0.1:%d' % port]), *send)
+            result.messages = []
+            end = time.monotonic() + TIMEOUT
+            while time.monotonic() < end:
+                ended = process.poll() is not None
+                try:
+                    result.messages.append(json.loads(receiver.recv(65536).decode()))
+                except socket.timeout:
+                    if ended:
+                        break
+            result.output, result.errors = process.communicate(timeout=TIMEOUT)
+            result.code = process.returncode
+            sender.kill()
+            sender.communicate()
+        receiver.close()
+        result.rows = read_table(poses)
+        return result
+
+    def check_every_image_is_accounted_for(self, result, tools, frames=FRAMES):
+        self.assertEqual(result.code, 0, result.errors)
+        images, answered, newer, unread = result.numbers()
+        self.assertEqual((images, answered + newer + unread), (frames, frames))
+        names = ['PSM%d' % (i + 1) for i in range(tools)]
+        self.assertEqual([(int(r['frame']), r['tool']) for r in result.rows], [(f, name) for f in range(frames) for name in names])
+        for row in result.rows:
+            self.assertIn(row['dropped'], '012')
+            self.assertEqual(row['latency'] == '', row['dropped'] != '0', row)
+            self.assertFalse(row['dropped'] != '0' and row['status'] == 'tracking', row)
+            np.testing.assert_array_equal(np.isfinite([float(row[c]) for c in ('tx', 'ty', 'tz', 'qx', 'qy', 'qz', 'qw')]), True)
+        answers = [row for row in result.rows if row['dropped'] == '0']
+        self.assertEqual(len(answers), answered * tools)
+        self.assertEqual(sum(row['dropped'] == '1' for row in result.rows), newer * tools)
+        # What was sent is what was written, for the images that were answered, in their order.
+        self.assertEqual([(m['frame'], m['tool'], m['status']) for m in result.messages],
+                         [(int(r['frame']), r['tool'], r['status']) for r in answers])
+        for message, row in zip(result.messages, answers):
+            np.testing.assert_allclose(message['position'], [float(row[c]) for c in ('tx', 'ty', 'tz')], atol=1e-9)   # 9 digits in the file
+            self.assertEqual(np.array(message['covariance']).shape, (6, 6))
+            self.assertEqual(len(message['joint_offsets']), 7)
+
+    def check_poses(self, result, name, tracked):
+        """At least so many images are tracked, and their poses are true."""
+        truth = {(r['frame'], r['tool']): np.array([float(r[c]) for c in ('tx', 'ty', 'tz')])
+                 for r in read_table(os.path.join(self.sequence(name), 'groundtruth.csv'))}
+        rows = [r for r in result.rows if r['status'] == 'tracking']
+        self.assertGreaterEqual(len(rows), tracked, result.output)
+        errors = [np.linalg.norm(truth[r['frame'], r['tool']] - [float(r[c]) for c in ('tx', 'ty', 'tz')]) for r in rows]
+        # 6 mm without tracking; one eye at 480 pixels has some 0.5 mm; joints of another image, one frame off, 2 mm and more.
+        self.assertLess(np.mean(errors), 0.002)
+
+    def test_images_are_answered(self):
+        result = self.run_live('one')
+        self.check_every_image_is_accounted_for(result, 1)
+        self.check_poses(result, 'one', FRAMES // 2)
+        self.assertEqual(result.malformed(), 0)
+
+    def test_both_eyes(self):
+        result = self.run_live('one', live=['--stereo', '--frames=12'])
+        self.check_every_image_is_accounted_for(result, 1, 12)
+        self.check_poses(result, 'one', 6)
+
+    def test_messages_of_the_dvrk_two_tools_on_ports_of_their_own(self):
+        a, b = free_ports(2)
+        result = self.run_live('two', joints='PSM1:%d,PSM2:%d' % (a, b), send=['--format=dvrk'],
+                               to=['--to=PSM1=127.0.0.1:%d' % a, '--to=PSM2=127.0.0.1:%d' % b])
+        self.check_every_image_is_accounted_for(result, 2)
+        self.check_poses(result, 'two', FRAMES // 2)
+        self.assertEqual(result.malformed(), 0)
+
+    def test_lost_late_reordered_and_malformed_messages(self):
+        result = self.run_live('one', send=['--loss=0.2', '--reorder=0.2', '--malformed=0.3', '--delay=0.03', '--seed=5'])
+        self.check_every_image_is_accounted_for(result, 1)
+        # At 0.32 of the pace readings are 31 ms apart: those that are lost in a row, or held back, come after the 50 ms an image
+        # waits, or leave a gap. The others are as good as ever.
+        self.check_poses(result, 'one', FRAMES // 4)
+        self.assertGreater(result.malformed(), 10)
+        self.assertIn('the first one: ', result.output)
+
+    def test_readings_that_fall_behind_drop_images_and_say_so(self):
+        result = self.run_live('one', send=['--speed=0.1'])
+        self.check_every_image_is_accounted_for(result, 1)
+        _, _, _, unread = result.numbers()
+        self.assertGreater(unread, FRAMES // 2)        # after 0.2 s they are 0.1 s behind
+        self.assertIn('no joint readings at the time of the images', result.errors)
+        self.assertEqual([r['status'] for r in result.rows if r['dropped'] == '2' and r['status'] not in ('initializing', 'lost', 'coasting')], [])
+
+    def test_a_stream_that_keeps_no_pace_is_never_queued(self):
+        port, = free_ports(1)
+        poses = os.path.join(self.folder, 'stream.csv')
+        with self.live('--sequence=' + self.sequence('one'), '--joints=%d' % port, '--camera=' + os.path.join(self.sequence('one'), 'left.mp4'),
+                       '--poses=' + poses) as process:
+            sender = self.send('--sequence=' + self.sequence('one'), '--to=127.0.0.1:%d' % port)
+            result = Result()
+            result.output, result.errors = process.communicate(timeout=TIMEOUT)
+            sender.communicate(timeout=TIMEOUT)
+        self.assertEqual(process.returncode, 0, result.errors)
+        images, answered, newer, unread = result.numbers()
+        self.assertEqual((images, answered + newer + unread), (FRAMES, FRAMES))
+        self.assertEqual([int(r['frame']) for r in read_table(poses)], list(range(FRAMES)))
+
+    def test_interrupted_it_ends_with_its_summary(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            port, = free_ports(1)
+            poses = os.path.join(self.folder, 'interrupted.csv')
+            with self.live('--sequence=' + self.sequence('one'), '--joints=%d' % port, '--fps=2', '--poses=' + poses) as process:
+                sender = self.send('--sequence=' + self.sequence('one'), '--to=127.0.0.1:%d' % port, '--speed=0.08')
+                end = time.monotonic() + TIMEOUT
+                while time.monotonic() < end and (not os.path.exists(poses) or len(read_table(poses)) < 2):
+                    time.sleep(0.05)
+                process.send_signal(number)
+                result = Result()
+                result.output, result.errors = process.communicate(timeout=TIMEOUT)
+                sender.kill()
+                sender.communicate()
+            self.assertEqual(process.returncode, 0, result.errors)
+            self.assertLess(result.numbers()[0], FRAMES)
+            self.assertEqual(len(read_table(poses)), result.numbers()[0])
+
+    def refused(self, *arguments):
+        process = subprocess.run([LIVE] + list(arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True, timeout=TIMEOUT)
+        self.assertEqual(process.returncode, 1, arguments)
+        lines = [line for line in process.stderr.splitlines() if line != 'waiting for joint readings']
+        self.assertEqual(len(lines), 1, process.stderr)
+        return lines[0]
+
+    def test_wrong_calls_are_refused_in_one_line(self):
+        sequence = '--sequence=' + self.sequence('one')
+        port, = free_ports(1)
+        self.assertIn('--sequence', self.refused())
+        self.assertIn('none', self.refused('--sequence=' + self.sequence('none')))
+        for ports in ('0', '65536', '4805x', 'PSM1:', '48051,'):
+            self.assertIn('--joints=' + ports, self.refused(sequence, '--joints=' + ports))
+        self.assertIn("tool 'PSM9'", self.refused(sequence, '--joints=PSM9:%d' % port))
+        self.assertIn("'nowhere'", self.refused(sequence, '--joints=%d' % port, '--send=nowhere'))
+        self.assertIn('--camera=0,1', self.refused(sequence, '--camera=0,1'))
+        self.assertIn('no-such.mp4', self.refused(sequence, '--joints=%d' % port, '--camera=no-such.mp4'))
+        taken = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        taken.bind(('0.0.0.0', port))
+        self.assertIn('UDP port %d' % port, self.refused(sequence, '--joints=%d' % port))
+        taken.close()
+
+    def test_without_readings_it_ends_and_tells_what_came(self):
+        port, = free_ports(1)
+        with self.live('--sequence=' + self.sequence('two'), '--joints=%d' % port) as process:
+            link = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            link.sendto(b'hello', ('127.0.0.1', port))
+            link.sendto(b'{"measured_cp": {}}', ('127.0.0.1', port))
+            link.sendto(b'{"tool": "PSM2", "time": 0, "position": [0, 0, 0.1, 0, 0, 0, 0.1]}', ('127.0.0.1', port))
+            link.close()
+            _, errors = process.communicate(timeout=TIMEOUT)
+        self.assertEqual(process.returncode, 1)
+        self.assertEqual(len(errors.splitlines()), 1, errors)
+        for what in ("tool 'PSM1'", '1 messages with readings', '1 without', '1 malformed', "'hello'"):
+            self.assertIn(what, errors)
+
+
+def load_sample(name):
+    spec = importlib.util.spec_from_file_location(name, os.path.join(SAMPLES, name + '.py'))
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+class SendJointsTest(unittest.TestCase):
+
+    def schedule(self, **options):
+        args = types.SimpleNamespace(format='plain', speed=1., places=[(None, ('127.0.0.1', 1))], loss=0., delay=0., reorder=0., malformed=0., seed=1)
+        vars(args).update(options)
+        readings = [(0.01 * i, 'PSM1', {'q1': 0.5 * i, 'jaw': 0.25}) for i in range(500)]
+        return load_sample('send_joints').schedule(readings, args)
+
+    def test_faults_are_what_was_asked_for_and_the_same_for_a_seed(self):
+        packets, counts = self.schedule()
+        self.assertEqual([json.loads(p[2].decode())['time'] for p in packets], [0.01 * i for i in range(500)])
+        packets, counts = self.schedule(loss=0.2, reorder=0.1, malformed=0.1, delay=0.5, seed=3)
+        # Of 500: within four standard deviations.
+        self.assertAlmostEqual(counts['lost'], 100, delta=36)
+        self.assertAlmostEqual(counts['reordered'], 40, delta=24)
+        self.assertAlmostEqual(counts['malformed'], 50, delta=27)
+        self.assertGreaterEqual(packets[0][0], 0.5)
+        self.assertEqual(packets, self.schedule(loss=0.2, reorder=0.1, malformed=0.1, delay=0.5, seed=3)[0])
+        self.assertNotEqual(packets, self.schedule(loss=0.2, reorder=0.1, malformed=0.1, delay=0.5, seed=4)[0])
+        times = []
+        for _, _, data in packets:
+            with contextlib.suppress(ValueError, KeyError, TypeError, RecursionError):
+                stamp = json.loads(data.decode())['time']
+                if isinstance(stamp, float):
+                    times.append(stamp)
+        self.assertGreater(sum(b < a for a, b in zip(times, times[1:])), 10)      # some are out of order
+
+    @unittest.skipUnless(hasattr(st, 'parseJointMessage'), 'cv2 has no parseJointMessage')
+    def test_messages_are_understood(self):
+        send = load_sample('send_joints')
+        reading = (1.5, 'PSM1', dict(q1=.1, q2=.2, q3=.3, q4=.4, q5=.5, q6=.6, jaw=.7))
+        for style in ('plain', 'dvrk'):
+            buffer = st.JointBuffer.create(['q1', 'q2', 'q3', 'q4', 'q5', 'q6', 'jaw'])
+            for text in send.messages(reading, style):
+                for r in st.parseJointMessage(text):
+                    self.assertEqual((r.tool, r.time), ('PSM1' if style == 'plain' else '', 1.5))
+                    self.assertTrue(buffer.add(r))
+            state, joints = buffer.at(1.5)
+            self.assertEqual(state, st.JOINTS_FOUND)
+            np.testing.assert_array_equal(joints, list(reading[2].values()))
+
+
+def message(**fields):
+    return types.SimpleNamespace(**fields)
+
+
+def header(time, frame='endoscope'):
+    return message(stamp=message(sec=int(time), nanosec=int(round(1e9 * (time - int(time))))), frame_id=frame)
+
+
+def image_message(pixels, encoding, padding=0, time=0.):
+    rows = pixels.reshape(pixels.shape[0], -1)
+    data = np.hstack([rows, np.full((rows.shape[0], padding), 99, np.uint8)])
+    return message(header=header(time), height=pixels.shape[0], width=pixels.shape[1], encoding=encoding, step=data.shape[1], data=data.tobytes())
+
+
+class RosNodeTest(unittest.TestCase):
+
+    def setUp(self):
+        self.ros = load_sample('ros2_node')
+
+    def test_images(self):
+        bgr = np.random.RandomState(1).randint(0, 256, (6, 8, 3), np.uint8)
+        read = self.ros.image_from_message
+        for padding in (0, 5):
+            np.testing.assert_array_equal(read(image_message(bgr, 'bgr8', padding)), bgr)
+            np.testing.assert_array_equal(read(image_message(bgr[:, :, ::-1].copy(), 'rgb8', padding)), bgr)
+            alpha = np.dstack([bgr, np.zeros((6, 8), np.uint8)])
+            np.testing.assert_array_equal(read(image_message(alpha, 'bgra8', padding)), bgr)
+            np.testing.assert_array_equal(read(image_message(bgr[:, :, 0].copy(), 'mono8', padding)), bgr[:, :, 0])
+        for pattern in ('rggb', 'bggr', 'gbrg', 'grbg'):      # an even colour, as its sensor has it: blue 10, green 20, red 30
+            value = dict(b=10, g=20, r=30)
+            mosaic = np.tile(np.array([[value[pattern[0]], value[pattern[1]]], [value[pattern[2]], value[pattern[3]]]], np.uint8), (4, 4))
+            np.testing.assert_array_equal(read(image_message(mosaic, 'bayer_%s8' % pattern)).reshape(-1, 3), [[10, 20, 30]] * 64)
+        with self.assertRaisesRegex(ValueError, "encoding '16UC1', expected one of"):
+            read(image_message(bgr, '16UC1'))
+        short = image_message(bgr, 'bgr8')
+        short.data = short.data[:-1]
+        with self.assertRaisesRegex(ValueError, 'expected 8x6 pixels of 3 bytes'):
+            read(short)
+
+    def camera_info(self, **fields):
+        info = message(width=720, height=576, distortion_model='plumb_bob', d=[-0.2, 0.1, 0.001, 0.002, 0.], k=[800., 0, 360, 0, 810, 288, 0, 0, 1],
+                       binning_x=0, binning_y=1)
+        vars(info).update(fields)
+        return info
+
+    def test_cameras(self):
+        read = self.ros.camera_from_message
+        camera = read(self.camera_info())
+        np.testing.assert_array_equal(camera.cameraMatrix(), [[800, 0, 360], [0, 810, 288], [0, 0, 1]])
+        np.testing.assert_array_equal(camera.distCoeffs().ravel()[:5], [-0.2, 0.1, 0.001, 0.002, 0])
+        self.assertEqual(tuple(camera.imageSize()), (720, 576))
+        self.assertFalse(read(self.camera_info(distortion_model='', d=[])).hasDistortion())
+        for fields, what in ((dict(k=[0.] * 9), 'calibrated'), (dict(distortion_model='equidistant'), "'equidistant'"),
+                             (dict(d=[0.1] * 4), '4 numbers, expected 5'), (dict(binning_x=2), 'binning')):
+            with self.assertRaisesRegex(ValueError, what):
+                read(self.camera_info(**fields))
+
+    def test_covariance_is_in_the_order_of_ros(self):
+        # Of a deviation (rotation, translation), twice: ours and ROS's are the covariance of the same one.
+        rotation, translation = np.array([1., 2, 3]), np.array([10., 20, 30])
+        ours, theirs = np.hstack([rotation, translation]), np.hstack([translation, rotation])
+        np.testing.assert_array_equal(np.reshape(self.ros.ros_covariance(np.outer(ours, ours)), (6, 6)), np.outer(theirs, theirs))
+
+    def test_quaternions_are_those_of_the_rotation(self):
+        rng = np.random.RandomState(2)
+        vectors = [np.zeros(3), [np.pi, 0, 0], [0, np.pi, 0], [0, 0, np.pi - 1e-9]] + list(rng.uniform(-2, 2, (50, 3)))
+        for v in vectors:
+            v = np.array(v, np.float64)
+            q = np.array(self.ros.quaternion(cv.Rodrigues(v)[0]))
+            angle = np.linalg.norm(v)
+            expected = np.append(v / max(angle, 1e-300) * np.sin(angle / 2), np.cos(angle / 2))
+            self.assertAlmostEqual(abs(q.dot(expected)), 1, delta=1e-12)      # rounding; q and -q are one rotation
+            self.assertGreaterEqual(q[3], 0)
+
+    def test_a_pose_message_is_filled(self):
+        T = np.eye(4)
+        T[:3, 3] = [0.01, 0.02, 0.1]
+        pose = message(header=message(), pose=message(pose=message(position=message(), orientation=message()), covariance=None))
+        self.ros.fill_pose(pose, header(2.5), message(camera_T_tool=T, covariance=np.diag([1., 2, 3, 4, 5, 6])))
+        self.assertEqual((pose.header.frame_id, pose.header.stamp.sec, pose.header.stamp.nanosec), ('endoscope', 2, 500000000))
+        p, q = pose.pose.pose.position, pose.pose.pose.orientation
+        self.assertEqual((p.x, p.y, p.z, q.x, q.y, q.z, q.w), (0.01, 0.02, 0.1, 0, 0, 0, 1))
+        self.assertEqual(np.diag(np.reshape(pose.pose.covariance, (6, 6))).tolist(), [4, 5, 6, 1, 2, 3])
+
+    @unittest.skipUnless(hasattr(st, 'JointBuffer'), 'cv2 has no JointBuffer')
+    def test_the_node_tracks_a_sequence(self):
+        folder = tempfile.mkdtemp()
+        try:
+            params = st.SyntheticScene.Params()
+            params.imageSize, params.frames = (480, 384), 12
+            st.SyntheticScene.create(None, params).write(folder)
+            sequence = st.Sequence.load(folder)
+            camera = sequence.leftCamera()
+            name = sequence.tool(0).name
+            published, warnings = [], []
+            node = self.ros.ToolNode(st.Sequence.load(folder, False), 0., lambda *a: published.append(a), warnings.append)
+            node.take_camera_info(self.camera_info(k=[0.] * 9))
+            self.assertEqual(len(warnings), 1)
+            info = self.camera_info(width=480, height=384, k=camera.cameraMatrix().ravel().tolist(), distortion_model='', d=[])
+            node.take_camera_info(info)
+            video = cv.VideoCapture(sequence.leftVideo())
+            names = list(sequence.jointNames())
+            for frame in range(12):
+                found, image = video.read()
+                time_ = frame / sequence.fps()
+                node.take_image(image_message(image, 'bgr8', time=time_))
+                self.assertEqual(node.frames, frame)               # its joints are still to come
+                for t in (time_, time_ + 0.01):
+                    known, joints = sequence.jointsAt(0, t)
+                    values = dict(zip(names, joints))
+                    arm = message(header=header(t), name=['yaw', 'pitch', 'insertion', 'roll', 'wrist_pitch', 'wrist_yaw'],
+                                  position=[values['q%d' % i] for i in range(1, 7)])
+                    node.take_joints(name, arm)
+                    node.take_joints(name, message(header=header(t), name=['outer_jaw'], position=[values['jaw']]), True)
+                self.assertEqual(node.frames, frame + 1)
+            self.assertEqual((len(published), node.dropped, len(warnings)), (12, 0, 1))
+            tool, head, estimate, text = published[-1]
+            self.assertEqual((tool, head.frame_id, json.loads(text)['frame'], json.loads(text)['status']), (name, 'endoscope', 11, 'tracking'))
+            known, truth, _ = sequence.groundTruth(0, 11)
+            self.assertLess(np.linalg.norm(estimate.camera_T_tool[:3, 3] - truth[:3, 3]), 0.003)   # the calibration is 6 mm off, one eye 1 mm in depth
+            node.take_joints(name, message(header=header(9.), name=[], position=[1.]))
+            self.assertEqual(len(warnings), 2)
+            node.take_image(image_message(image, 'bgr8', time=5.))
+            node.take_image(image_message(image, 'bgr8', time=5.04))    # a newer one takes the place of one that waits
+            self.assertEqual(node.dropped, 1)
+        finally:
+            shutil.rmtree(folder)
+
+    def test_without_ros_it_says_so(self):
+        if self.ros.rclpy is not None:
+            self.skipTest('ROS 2 is here')
+        process = subprocess.run([sys.executable, os.path.join(SAMPLES, 'ros2_node.py'), '--sequence=none'], stdout=subprocess.PIPE,
+                                 stderr=subprocess.PIPE, universal_newlines=True)
+        self.assertEqual((process.returncode, len(process.stderr.splitlines())), (1, 1))
+        self.assertIn('ROS 2 is needed', process.stderr)
+
+
+if __name__ == '__main__':
+    unittest.main()
