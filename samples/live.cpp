@@ -134,6 +134,8 @@ std::vector<double> readingTimes(const Run& run, double time)
 
 void prepare(const Options& options, Run& run)
 {
+    std::vector<JointReading> none;
+    parseJointMessage("{}", none);    // throws if the module was built without what it takes
     run.setup = Sequence::load(options.sequence, false);
     run.live = !options.cameras.empty();
     const double fps = options.fps > 0 ? options.fps : run.setup->fps();

@@ -68,10 +68,12 @@ public:
         std::unique_lock<std::mutex> lock(mutex_);
         for (;;)
         {
+            if (error_)
+                std::rethrow_exception(error_);
             int missing = -1;
             for (size_t i = 0; i < buffers_.size() && missing < 0; i++)
                 if (buffers_[i]->newest() == -DBL_MAX) missing = (int)i;
-            if (missing < 0 || interrupted || error_ || now() >= end)
+            if (missing < 0 || interrupted || now() >= end)
                 return missing;
             changed_.wait_for(lock, std::chrono::milliseconds(100));
         }

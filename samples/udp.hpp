@@ -26,7 +26,7 @@ namespace common {
 class UdpReceiver
 {
 public:
-    explicit UdpReceiver(const std::vector<int>& ports) : buffer_(65536)
+    explicit UdpReceiver(const std::vector<int>& ports) : buffer_(65536), last_(0)
     {
         for (size_t i = 0; i < ports.size(); i++)
         {
@@ -54,8 +54,9 @@ public:
     {
         if (::poll(sockets_.data(), (nfds_t)sockets_.size(), milliseconds) <= 0)
             return false;
-        for (size_t i = 0; i < sockets_.size(); i++)
+        for (size_t k = 1; k <= sockets_.size(); k++)
         {
+            const size_t i = (last_ + k) % sockets_.size();    // in turn: a flood on one port must not silence another
             if (!sockets_[i].revents)
                 continue;
             const ssize_t size = ::recv(sockets_[i].fd, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
@@ -63,6 +64,7 @@ public:
                 continue;
             packet.assign(buffer_.data(), (size_t)size);
             port = (int)i;
+            last_ = i;
             return true;
         }
         return false;
@@ -77,6 +79,7 @@ private:
 
     std::vector<pollfd> sockets_;
     std::vector<char> buffer_;
+    size_t last_;    // index of the port the last packet came by
 };
 
 //! Sends packets to one place. That nobody listens there is no error.
