@@ -323,8 +323,9 @@ run_stereo() {
 # The loopback tests, and the commands of doc/live.md as they stand there.
 run_live() {
   local work="$1" live="$BUILD_DIR/bin/example_surgtrack_live" sender="$REPO/samples/send_joints.py"
-  run_unittest "Python tests, live" "$LOGS/test-live.log" env "SURGTRACK_BIN=$BUILD_DIR/bin" \
-    "PYTHONPATH=$BUILD_DIR/python_loader" PYTHONDONTWRITEBYTECODE=1 "$PYTHON" "$REPO/misc/python/test/test_live.py"
+  local python=(env "SURGTRACK_BIN=$BUILD_DIR/bin" "PYTHONPATH=$BUILD_DIR/python_loader" PYTHONDONTWRITEBYTECODE=1 "$PYTHON")
+  run_unittest "Python tests, live" "$LOGS/test-live.log" "${python[@]}" "$REPO/misc/python/test/test_live.py"
+  run_unittest "Python tests, ROS node" "$LOGS/test-ros2-node.log" "${python[@]}" "$REPO/misc/python/test/test_ros2_node.py"
   sample "commands of doc/live.md" documented_live "$work"
   sample "their poses" poses_complete "$work/live-doc/poses.csv" 100
   sample "refused: live without a sequence" refuses --sequence "$live"
@@ -340,6 +341,7 @@ documented_live() {
   mkdir "$work"
   ln -s "$BUILD_DIR" "$work/build"
   ln -s "$REPO/samples" "$work/samples"
+  # shellcheck disable=SC2016
   sed -n '/^```bash$/,/^```$/p' "$REPO/doc/live.md" | grep -v '^```' >"$work/commands.sh"
   [[ -s "$work/commands.sh" ]] || return 1
   (cd "$work" && limited bash -e commands.sh)

@@ -19,10 +19,12 @@ const char* const KEYS =
     "{ help h      |       | print this }"
     "{ sequence    |       | folder with sequence.yaml: camera, tools and hand-eye calibration; its CSV files are not read }"
     "{ joints      | 48051 | UDP ports of the joint readings, PORT or TOOL:PORT, separated by commas; TOOL if the messages do not say }"
-    "{ camera      |       | images of this camera, a number or an address such as rtsp://...; two, separated by a comma, with --stereo. Without it the video of sequence.yaml is played }"
+    "{ camera      |       | images of this camera, a number or an address such as rtsp://...; two, separated by a comma, with --stereo. "
+    "Without it the video of sequence.yaml is played }"
     "{ stereo      |       | use the right image too }"
     "{ fps         |       | images a second: the video is played at this pace, a camera asked for it; default that of sequence.yaml }"
-    "{ time-offset | 0     | the joints that belong to the image of time t were recorded at t + SECONDS; a camera's images arrive late, so about -0.05 for one }"
+    "{ time-offset | 0     | the joints that belong to the image of time t were recorded at t + SECONDS; a camera's images arrive late: "
+    "about -0.05 for one }"
     "{ send        |       | HOST:PORT to send poses to, JSON by UDP }"
     "{ poses       |       | CSV file to write the poses to }"
     "{ frames      | 0     | stop after so many images, 0 = go on }"
@@ -83,7 +85,8 @@ Options readOptions(const CommandLineParser& parser)
     if (parser.has("camera"))
         options.cameras = split(parser.get<String>("camera"));
     if (!options.cameras.empty() && options.cameras.size() != (options.stereo ? 2u : 1u))
-        fail("argument '--camera=" + parser.get<String>("camera") + "': expected " + (options.stereo ? "two cameras, separated by a comma" : "one camera"));
+        fail("argument '--camera=" + parser.get<String>("camera") + "': expected " +
+             (options.stereo ? "two cameras, separated by a comma" : "one camera"));
     options.fps = parser.has("fps") ? common::number(parser, "fps", 0.1, 1000) : 0;
     options.timeOffset = common::number(parser, "time-offset", -1e12, 1e12);
     options.frames = common::integer(parser, "frames", 0);
@@ -115,7 +118,7 @@ struct Run
     std::vector<ToolEstimate> estimates;             // of the last image
     std::vector<std::vector<double> > readings;      // of the last image that was tracked; 0 before
     double time;                                     // of that image, on the tracker's clock [s]
-    int answers[3];
+    int answers[3], reasons[5];                      // images, by Answer, and those without readings by JointsState
     std::vector<double> waits, updates, latencies;   // an image that was tracked [s]
 };
 
@@ -142,6 +145,7 @@ void prepare(const Options& options, Run& run)
     run.timeOffset = options.timeOffset;
     run.time = -DBL_MAX;
     std::fill(run.answers, run.answers + 3, 0);
+    std::fill(run.reasons, run.reasons + 5, 0);
     std::vector<CameraModel> cameras(1, run.setup->leftCamera());
     std::vector<std::string> sources = run.live ? options.cameras : std::vector<std::string>(1, run.setup->leftVideo());
     run.tracker = ToolTracker::create(run.setup->leftCamera());
@@ -198,8 +202,8 @@ void start(const Options& options, Run& run)
     {
         const common::JointStream::Counts counts = run.joints->counts();
         const std::string complaint = run.joints->complaint();
-        fail(format("no joint readings of tool '%s' in %g s; %d messages with readings came, %d without, %d malformed%s%s", run.tools[missing].info.name.c_str(),
-                    PATIENCE, counts.readings, counts.others, counts.malformed, complaint.empty() ? "" : ", the first one: ", complaint.c_str()));
+        fail(format("no joint readings of tool '%s' in %g s; %d messages with readings came, %d without, %d malformed%s%s",
+                    run.tools[missing].info.name.c_str(), PATIENCE, counts.readings, counts.others, counts.malformed, complaint.empty() ? "" : ", the first one: ", complaint.c_str()));
     }
     run.images->start(run.joints->localTime(0, run.timeOffset), options.frames);
 }
@@ -262,8 +266,10 @@ Answer answer(Run& run, const common::LiveImage& image)
 {
     const double time = imageTime(run, image.number, image.arrival), begin = common::now();
     std::vector<std::vector<double> > readings;
-    if (run.joints->at(readingTimes(run, time), WAIT, readings) != JOINTS_FOUND)
+    const int state = run.joints->at(readingTimes(run, time), WAIT, readings);
+    if (state != JOINTS_FOUND)
     {
+        run.reasons[state]++;
         coast(run, time);
         record(run, image.number, time, NO_READINGS, image.arrival);
         return NO_READINGS;
@@ -333,12 +339,15 @@ void printSummary(const Run& run)
     const int images = run.answers[TRACKED] + run.answers[TOO_SLOW] + run.answers[NO_READINGS];
     std::printf("%s: %d images, %d answered, %d dropped for a newer one, %d dropped without joint readings\n", run.setup->name().c_str(), images,
                 run.answers[TRACKED], run.answers[TOO_SLOW], run.answers[NO_READINGS]);
+    if (run.answers[NO_READINGS])
+        std::printf("  without readings: %d from before the oldest ones kept, %d still to come after %g ms, %d more than 0.1 s apart\n",
+                    run.reasons[JOINTS_NONE] + run.reasons[JOINTS_TOO_OLD], run.reasons[JOINTS_TOO_NEW], 1e3 * WAIT, run.reasons[JOINTS_GAP]);
     for (size_t i = 0; i < run.tools.size(); i++)
         std::printf("  %-8s tracked in %.1f %% of the images\n", run.tools[i].info.name.c_str(), images ? 100. * run.tools[i].tracked / images : 0.);
     const common::JointStream::Counts counts = run.joints->counts();
     const std::string complaint = run.joints->complaint();
-    std::printf("messages: %d with joint readings, %d readings too late or twice, %d about other things, %d malformed%s%s\n", counts.readings, counts.late,
-                counts.others, counts.malformed, complaint.empty() ? "" : ", the first one: ", complaint.c_str());
+    std::printf("messages: %d with joint readings, %d readings too late or twice, %d about other things, %d malformed%s%s\n", counts.readings,
+                counts.late, counts.others, counts.malformed, complaint.empty() ? "" : ", the first one: ", complaint.c_str());
     std::printf("time of an image [ms]      median     95 %%      max\n");
     printTimes("waiting for joints", run.waits);
     printTimes("tracking", run.updates);

@@ -28,7 +28,8 @@ inline double now()
 
 inline std::chrono::steady_clock::time_point timePoint(double seconds)
 {
-    return std::chrono::steady_clock::time_point(std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds)));
+    typedef std::chrono::steady_clock Clock;
+    return Clock::time_point(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds)));
 }
 
 struct JointPort

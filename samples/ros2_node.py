@@ -223,7 +223,8 @@ def main():
     parser.add_argument('--image', default='image_raw', metavar='TOPIC')
     parser.add_argument('--camera-info', default='camera_info', metavar='TOPIC')
     parser.add_argument('--time-offset', type=float, default=0., metavar='SECONDS', help='is added to the time of an image to find its joints')
-    args, ros_arguments = parser.parse_known_args()
+    own = sys.argv[1:sys.argv.index('--ros-args') if '--ros-args' in sys.argv else None]
+    args, ros_arguments = parser.parse_args(own), sys.argv[1 + len(own):]
     if rclpy is None:
         print('ros2_node.py: ROS 2 is needed, with rclpy, geometry_msgs, sensor_msgs and std_msgs: %s' % why_no_ros, file=sys.stderr)
         return 1

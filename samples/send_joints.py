@@ -1,4 +1,7 @@
 #!/usr/bin/env python3
+# This file is part of OpenCV project.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution and at http://opencv.org/license.html.
 """Plays a robot: sends the joint readings of a recorded sequence by UDP, as JSON, at their pace.
 
     send_joints.py --sequence=DIR [--to=[TOOL=]HOST:PORT ...] [--format=plain|dvrk] [--speed=FACTOR]
@@ -96,8 +99,10 @@ def messages(reading, style):
     stamp, tool, joints = reading
     if style == 'plain':
         return [json.dumps({'tool': tool, 'time': stamp, 'position': joints})]
+
     def state(names, positions):
         return {'AutomaticTimestamp': False, 'Effort': None, 'Name': names, 'Position': positions, 'Timestamp': stamp, 'Valid': True, 'Velocity': None}
+
     arm = [value for name, value in joints.items() if name != 'jaw']
     names = DVRK_NAMES if len(arm) == len(DVRK_NAMES) else [name for name in joints if name != 'jaw']
     texts = [json.dumps({'measured_js': state(names, arm)})]

@@ -72,7 +72,7 @@ public:
     @param history how long a reading is kept [s]; 4096 readings of a coordinate at most
     @param maxGap readings further apart are not interpolated between [s]. A tool at 50 mm/s that turns back within 0.1 s is
     1.3 mm off a straight line */
-    CV_WRAP static Ptr<JointBuffer> create(const std::vector<String>& coordinates, double history = 2., double maxGap = 0.1);
+    CV_WRAP static Ptr<JointBuffer> create(const std::vector<String>& coordinates, double history = 10., double maxGap = 0.1);
 
     virtual ~JointBuffer() {}
 
