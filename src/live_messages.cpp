@@ -3,6 +3,8 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include <locale>
+#include <sstream>
 #include "opencv2/surgtrack/live.hpp"
 #include "quaternion.hpp"
 #ifdef HAVE_NLOHMANN_JSON
@@ -131,11 +133,23 @@ bool endsWith(const String& name, const String& end)
     return name.size() >= end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
 }
 
+//! Rounded to nine digits: the message then fits into one Ethernet packet.
+double finite(double value)
+{
+    CV_Assert(!cvIsNaN(value) && !cvIsInf(value) && "the numbers of an estimate must be finite");
+    std::stringstream text;
+    text.imbue(std::locale::classic());
+    text.precision(9);
+    text << value;
+    text >> value;
+    return value;
+}
+
 std::vector<double> finite(const double* values, size_t n)
 {
-    for (size_t i = 0; i < n; i++)
-        CV_Assert(!cvIsNaN(values[i]) && !cvIsInf(values[i]) && "the numbers of an estimate must be finite");
-    return std::vector<double>(values, values + n);
+    std::vector<double> result;
+    for (size_t i = 0; i < n; i++) result.push_back(finite(values[i]));
+    return result;
 }
 
 } // namespace
@@ -163,8 +177,7 @@ String formatPoseMessage(int frame, double time, const String& tool, const ToolE
     const Matx44d& T = estimate.camera_T_tool;
     const double position[] = { T(0, 3), T(1, 3), T(2, 3) };
     const Vec4d q = quaternionFromRotation(T.get_minor<3, 3>(0, 0));
-    const double evidence[] = { time, estimate.similarity, estimate.contourSupport, estimate.nis };
-    finite(evidence, 4);
+    CV_Assert(!cvIsNaN(time) && !cvIsInf(time) && "the time of an estimate must be finite");
     nlohmann::ordered_json message;
     message["frame"] = frame;
     message["time"] = time;
@@ -175,10 +188,10 @@ String formatPoseMessage(int frame, double time, const String& tool, const ToolE
     for (int i = 0; i < 6; i++)
         message["covariance"].push_back(finite(&estimate.covariance.val[6 * i], 6));
     message["joint_offsets"] = finite(estimate.jointOffsets.data(), estimate.jointOffsets.size());
-    message["similarity"] = estimate.similarity;
-    message["contour"] = estimate.contourSupport;
+    message["similarity"] = finite(estimate.similarity);
+    message["contour"] = finite(estimate.contourSupport);
     message["inliers"] = estimate.inliers;
-    message["nis"] = estimate.nis;
+    message["nis"] = finite(estimate.nis);
     return message.dump(-1, ' ', false, json::error_handler_t::replace);   // a name that is not UTF-8 must not stop the poses
 }
 

@@ -170,7 +170,10 @@ TEST(SurgTrack_PoseMessage, holdsTheEstimate)
     ASSERT_EQ(4, std::sscanf(message.c_str() + at, "\"orientation\":[%lf,%lf,%lf,%lf]", q, q + 1, q + 2, q + 3));
     const double sine = cv::norm(Vec3d(q));
     const Vec3d vector = Vec3d(q) * (2 * std::atan2(sine, q[3]) / sine);
-    EXPECT_LT(cv::norm(vector - Vec3d(0.3, -0.2, 0.5)), 1e-12);   // rounding
+    EXPECT_LT(cv::norm(vector - Vec3d(0.3, -0.2, 0.5)), 1e-8);   // nine digits
+    for (int i = 0; i < 36; i++) e.covariance.val[i] = -1e-5 / 3;
+    e.jointOffsets.assign(7, -0.1 / 3);
+    EXPECT_LT(formatPoseMessage(123456, 1e6 / 3, "PSM1", e).size(), 1400u);   // one packet of Ethernet, with room for a long name
     e.covariance(2, 2) = NOT_A_NUMBER;
     EXPECT_ERROR(formatPoseMessage(12, 0.48, "PSM1", e), "finite");
 }

@@ -47,7 +47,7 @@ CV_EXPORTS_W void parseJointMessage(const String& message, CV_OUT std::vector<Jo
 @param estimate its numbers must be finite
 @return `frame`, `time`, `tool`, `status` (see stateName()), `position` [m] and `orientation` (unit quaternion x, y, z, w) of
 camera_T_tool, `covariance` (6 rows of 6 numbers, as ToolEstimate::covariance), `joint_offsets`, `similarity`, `contour`,
-`inliers`, `nis`
+`inliers`, `nis`; all numbers but the time with nine digits
 @throws cv::Exception if a number is not finite, or the module was built without nlohmann_json */
 CV_EXPORTS_W String formatPoseMessage(int frame, double time, const String& tool, const ToolEstimate& estimate);
 
