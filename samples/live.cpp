@@ -32,6 +32,7 @@ const char* const KEYS =
 
 const double PATIENCE = 10;     // for the first readings [s]
 const double WAIT = 0.05;       // for the reading after an image [s]: some packets at 100 Hz may be lost
+const double DRAW_UNTIL = 2. / 3;    // after an image [interval]; later, drawing for the next one would slow its tracking down
 const double SILENCE = 1;       // without an image that has readings, until it is said [s]
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -114,7 +115,7 @@ struct Run
     Ptr<PoseWriter> writer;
     Ptr<common::UdpSender> sender;
     bool live;
-    double timeOffset;
+    double timeOffset, interval;    // interval: between images [s]
     std::vector<ToolEstimate> estimates;             // of the last image
     std::vector<std::vector<double> > readings;      // of the last image that was tracked; 0 before
     double time;                                     // of that image, on the tracker's clock [s]
@@ -142,6 +143,7 @@ void prepare(const Options& options, Run& run)
     run.setup = Sequence::load(options.sequence, false);
     run.live = !options.cameras.empty();
     const double fps = options.fps > 0 ? options.fps : run.setup->fps();
+    run.interval = 1 / fps;
     run.timeOffset = options.timeOffset;
     run.time = -DBL_MAX;
     std::fill(run.answers, run.answers + 3, 0);
@@ -282,7 +284,8 @@ Answer answer(Run& run, const common::LiveImage& image)
     run.waits.push_back(found - begin);
     run.updates.push_back(common::now() - found);
     record(run, image.number, time, TRACKED, image.arrival);
-    drawAhead(run, readings, time);
+    if (common::now() < image.arrival + DRAW_UNTIL * run.interval)
+        drawAhead(run, readings, time);
     run.readings.swap(readings);
     run.time = time;
     return TRACKED;
