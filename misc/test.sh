@@ -790,6 +790,33 @@ run_handeye() {
   sample "its Python" doc_python own_robot.md "$work/doc"
 }
 
+# The loopback tests, and the commands of doc/live.md as they stand there.
+run_live() {
+  local work="$1" live="$BUILD_DIR/bin/example_surgtrack_live" sender="$REPO/samples/send_joints.py"
+  local python=(env "SURGTRACK_BIN=$BUILD_DIR/bin" "PYTHONPATH=$BUILD_DIR/python_loader" PYTHONDONTWRITEBYTECODE=1 "$PYTHON")
+  run_unittest "Python tests, live" "$LOGS/test-live.log" "${python[@]}" "$REPO/misc/python/test/test_live.py"
+  run_unittest "Python tests, ROS node" "$LOGS/test-ros2-node.log" "${python[@]}" "$REPO/misc/python/test/test_ros2_node.py"
+  sample "commands of doc/live.md" documented_live "$work"
+  sample "their poses" poses_complete "$work/live-doc/poses.csv" 100
+  sample "refused: live without a sequence" refuses --sequence "$live"
+  sample "refused: joints without kinematics" refuses "$work/none/kinematics.csv" "$PYTHON" "$sender" --sequence="$work/none"
+  sample "refused: joints to nowhere" refuses "--to=nowhere" "$PYTHON" "$sender" --sequence="$work/sequence" --to=nowhere
+}
+
+# documented_live WORK: the commands of doc/live.md that end by themselves, pasted into a shell in an empty folder. They find the
+# programs, samples and bindings where README says they are.
+documented_live() {
+  local work="$1/live-doc"
+  rm -rf "$work"
+  mkdir "$work"
+  ln -s "$BUILD_DIR" "$work/build"
+  ln -s "$REPO/samples" "$work/samples"
+  # shellcheck disable=SC2016
+  sed -n '/^```bash$/,/^```$/p' "$REPO/doc/live.md" | grep -v '^```' >"$work/commands.sh"
+  [[ -s "$work/commands.sh" ]] || return 1
+  (cd "$work" && limited bash -e commands.sh)
+}
+
 run_samples() {
   local work="$BUILD_DIR/test-samples" frames=12
   local track="$BUILD_DIR/bin/example_surgtrack_track_sequence" make="$BUILD_DIR/bin/example_surgtrack_make_sequence"
@@ -826,6 +853,7 @@ run_samples() {
   run_import "$work"
   run_look "$work"
   run_handeye "$work"
+  run_live "$work"
   sample "refused: no such sequence" refuses "$work/none" "$track" --sequence="$work/none"
   sample "refused: no such method" refuses method "$track" --sequence="$work/sequence" --method=none
   sample "refused: output folder missing" refuses "$work/none/poses.csv" "$track" --sequence="$work/sequence" \
@@ -837,6 +865,8 @@ run_samples() {
   count "samples" "$sample_passed" "$sample_failed" 0
 }
 
+# For the checks of plots, of the cluster and of the type stubs; without them these are skipped.
+PACKAGES+=(python3-matplotlib python3-distributed mypy)
 prepare
 build opencv_surgtrack opencv_test_surgtrack opencv_perf_surgtrack opencv_samples_surgtrack opencv_python3
 

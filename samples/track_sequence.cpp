@@ -4,7 +4,6 @@
 
 // Tracks the tools of a recorded sequence: video, joint readings and a rough hand-eye calibration in, tool poses out.
 
-#include <limits>
 #include <map>
 #include "opencv2/imgproc.hpp"
 #include "opencv2/videoio.hpp"
@@ -12,10 +11,12 @@
 #include "common.hpp"
 #include "debug_pictures.hpp"
 #include "frame_reader.hpp"
+#include "pose_columns.hpp"
 #include "run_output.hpp"
 
 using namespace cv;
 using namespace cv::surgtrack;
+using common::corrected;
 using common::fail;
 
 namespace {
@@ -101,14 +102,6 @@ struct Run
     double seconds, timeOffset;
 };
 
-//! The readings with the offsets that were found; those of METHOD_PAPER and METHOD_EPNP are 0.
-std::vector<double> corrected(std::vector<double> joints, const ToolEstimate& estimate)
-{
-    for (size_t i = 0; i < estimate.jointOffsets.size(); i++)
-        joints[i] += estimate.jointOffsets[i];
-    return joints;
-}
-
 bool isKnown(const ToolEstimate& estimate) { return estimate.state == STATE_TRACKING || estimate.state == STATE_COASTING; }
 
 void drawResult(Mat& image, const Run& run, const std::vector<std::vector<double> >& joints, const std::vector<ToolEstimate>& estimates)
@@ -157,34 +150,6 @@ std::vector<common::DebugTool> debugTools(const Run& run, const std::vector<std:
         debug.found_camera_T_base = estimates[i].camera_T_nominal * tool.info.nominal_T_base;
         debug.foundJoints = corrected(joints[i], estimates[i]);
         result.push_back(debug);
-    }
-    return result;
-}
-
-//! Names of the further columns of the poses file.
-std::vector<String> columns(const Run& run)
-{
-    const char* const names[] = { "visible", "inliers", "similarity", "contour", "nis", "sd_rx", "sd_ry", "sd_rz", "sd_tx", "sd_ty", "sd_tz" };
-    std::vector<String> result(names, names + 11);
-    const std::vector<String> coordinates = run.tools[0].model->coordinateNames();
-    for (size_t i = 0; i < coordinates.size(); i++)
-        result.push_back("offset_" + coordinates[i]);
-    return result;
-}
-
-//! Their values; those there are none of are not finite: the file leaves them empty.
-std::vector<double> row(const Run& run, int tool, const ToolEstimate& estimate)
-{
-    const double nothing = std::numeric_limits<double>::quiet_NaN();
-    const double values[] = { (double)estimate.visibleParts, (double)estimate.inliers, estimate.similarity, estimate.contourSupport, estimate.nis };
-    std::vector<double> result(values, values + 5);
-    for (int i = 0; i < 6; i++)
-        result.push_back(estimate.covariance(i, i) > 0 ? std::sqrt(estimate.covariance(i, i)) : nothing);
-    const std::vector<String> coordinates = run.tools[0].model->coordinateNames(), own = run.tools[tool].model->coordinateNames();
-    for (size_t i = 0; i < coordinates.size(); i++)
-    {
-        const size_t k = std::find(own.begin(), own.end(), coordinates[i]) - own.begin();
-        result.push_back(k < estimate.jointOffsets.size() ? estimate.jointOffsets[k] : nothing);
     }
     return result;
 }
@@ -299,7 +264,8 @@ void record(Run& run, int frame, const std::vector<ToolEstimate>& estimates, Pos
     {
         run.tools[i].tracked += estimates[i].state == STATE_TRACKING;
         if (writer)
-            writer->write(frame, time, run.tools[i].info.name, estimates[i].state, estimates[i].camera_T_tool, row(run, i, estimates[i]));
+            writer->write(frame, time, run.tools[i].info.name, estimates[i].state, estimates[i].camera_T_tool,
+                          common::poseRow(*run.tools[0].model, *run.tools[i].model, estimates[i]));
         Matx44d truth;
         std::vector<double> trueJoints;
         if (run.scorer && run.sequence->groundTruth(i, frame, truth, trueJoints))
@@ -313,7 +279,7 @@ void track(const Options& options, Run& run)
     common::EyesReader reader(*run.sequence, options.start, options.stereo);
     Ptr<PoseWriter> writer;
     if (!options.poses.empty())
-        writer = PoseWriter::create(options.poses, columns(run));
+        writer = PoseWriter::create(options.poses, common::poseColumns(*run.tools[0].model));
     Ptr<common::TimingsWriter> timings;
     if (!options.timings.empty())
         timings = makePtr<common::TimingsWriter>(options.timings);

@@ -25,7 +25,7 @@ SequenceTool::SequenceTool() : nominal_T_base(Matx44d::eye()) {}
 
 Sequence::Sequence() : fps_(0), right_T_left_(Matx44d::eye()) {}
 
-Ptr<Sequence> Sequence::load(const String& folder)
+Ptr<Sequence> Sequence::load(const String& folder, bool recorded)
 {
     const bool isFile = utils::fs::exists(folder) && !utils::fs::isDirectory(folder);
     const String filename = isFile ? folder : utils::fs::join(folder, "sequence.yaml");
@@ -33,9 +33,14 @@ Ptr<Sequence> Sequence::load(const String& folder)
         CV_Error(Error::StsObjectNotFound, format("%s: there is no such file", filename.c_str()));
     String parent = isFile ? utils::fs::getParent(folder) : folder;
     Ptr<Sequence> sequence(new Sequence());
-    sequence->readDescription(parent.empty() ? String(".") : parent, filename);
-    sequence->readKinematics();
-    sequence->readGroundTruth();
+    sequence->readDescription(parent.empty() ? String(".") : parent, filename, recorded);
+    if (recorded)
+    {
+        sequence->readKinematics();
+        sequence->readGroundTruth();
+    }
+    else
+        sequence->groundTruthFile_.clear();
     return sequence;
 }
 
@@ -119,6 +124,8 @@ const Sequence::JointRecords& Sequence::records(int tool) const
 {
     CV_CheckGE(tool, 0, "tool index");
     CV_CheckLT(tool, toolCount(), "tool index");
+    if (records_.empty())
+        CV_Error(Error::StsBadArg, "the sequence was loaded without its recording");
     return records_[tool];
 }
 

@@ -98,7 +98,7 @@ String resolve(const String& folder, const String& path)
 
 } // namespace
 
-void Sequence::readDescription(const String& folder, const String& filename)
+void Sequence::readDescription(const String& folder, const String& filename, bool recorded)
 {
     FileStorage file;
     try
@@ -121,11 +121,13 @@ void Sequence::readDescription(const String& folder, const String& filename)
     const Size size(root["image_width"].size("a whole number larger than 0 [pixel]"),
                     root["image_height"].size("a whole number larger than 0 [pixel]"));
     left_ = readCamera(root["left"], size);
-    leftVideo_ = resolve(folder, root["left"]["video"].text("the path of a video"));
+    if (recorded || root["left"]["video"].there())
+        leftVideo_ = resolve(folder, root["left"]["video"].text("the path of a video"));
     if (root["right"].there())
     {
         right_ = readCamera(root["right"], size);
-        rightVideo_ = resolve(folder, root["right"]["video"].text("the path of a video"));
+        if (recorded || root["right"]["video"].there())
+            rightVideo_ = resolve(folder, root["right"]["video"].text("the path of a video"));
         right_T_left_ = readTransform(root["right_T_left"]);
     }
     const Key kinematics = root["kinematics"], truth = root["groundtruth"];

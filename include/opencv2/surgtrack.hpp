@@ -56,5 +56,6 @@ readings plus ToolEstimate::jointOffsets. With a right camera all poses are in t
 #include "opencv2/surgtrack/hand_eye.hpp"
 #include "opencv2/surgtrack/synthetic.hpp"
 #include "opencv2/surgtrack/import.hpp"
+#include "opencv2/surgtrack/live.hpp"
 
 #endif

@@ -19,6 +19,7 @@ typedef cv::surgtrack::ToolTracker::Params ToolTracker_Params;
 typedef std::vector<cv::surgtrack::ContourPoint> vector_ContourPoint;
 typedef std::vector<cv::surgtrack::DrawnTool> vector_DrawnTool;
 typedef std::vector<cv::surgtrack::HandEyeFit> vector_HandEyeFit;
+typedef std::vector<cv::surgtrack::JointReading> vector_JointReading;
 typedef std::vector<cv::surgtrack::PartMatch> vector_PartMatch;
 typedef std::vector<cv::surgtrack::PartTemplate> vector_PartTemplate;
 typedef std::vector<cv::surgtrack::StageTime> vector_StageTime;

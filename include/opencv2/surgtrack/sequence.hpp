@@ -30,8 +30,10 @@ class CV_EXPORTS_W Sequence
 public:
     /** @brief Reads a sequence; videos are not opened.
     @param folder the folder, or its sequence.yaml
+    @param recorded false: only cameras and tools are read, for live use; there need be no videos and CSV files, and asking for
+    joints or truth is an error
     @throws cv::Exception naming file, key or line and what was expected */
-    CV_WRAP static Ptr<Sequence> load(const String& folder);
+    CV_WRAP static Ptr<Sequence> load(const String& folder, bool recorded = true);
 
     /** @brief The key `name`, or else the folder's name. */
     CV_WRAP String name() const { return name_; }
@@ -41,7 +43,7 @@ public:
     CV_WRAP CameraModel leftCamera() const { return left_; }
     /** @brief The right camera; of size 0 x 0 if there is one camera. */
     CV_WRAP CameraModel rightCamera() const { return right_; }
-    /** @brief Path of the left video; may lie outside the folder. */
+    /** @brief Path of the left video; may lie outside the folder. Empty if not recorded and not named. */
     CV_WRAP String leftVideo() const { return leftVideo_; }
     /** @brief Path of the right video; empty if there is one camera. */
     CV_WRAP String rightVideo() const { return rightVideo_; }
@@ -92,7 +94,7 @@ private:
     struct Truth { Matx44d camera_T_tool; std::vector<double> joints; };
 
     Sequence();
-    void readDescription(const String& folder, const String& filename);
+    void readDescription(const String& folder, const String& filename, bool recorded);
     void readKinematics();
     void readGroundTruth();
     const JointRecords& records(int tool) const;
