@@ -28,6 +28,7 @@ const int fitted = 3, fitRounds = 4;   // so many hypotheses are fitted, in so m
 const double sureEvidence = 1.25, startEvidence = 1.12, trackEvidence = 0.9;
 const double sureNis = 0.6;             // of points, per degree of freedom
 const double doubt = 0.25;              // of evidence, by NIS, where first poses are compared
+const double startSupport = 0.45;       // of an outline that was not followed until now
 const double leastSupport = 0.3, leastSimilarity = 0.5, outlineAlone = 0.55;
 const double searchRotation = 4 * CV_PI / 180, searchTranslation = 0.008;   // how far a lost tool may be from where it was [rad, m]
 
@@ -63,6 +64,12 @@ static double evidence(const TrackedTool& tool)
 {
     const double similarity = meanSimilarity(tool.inliers);
     return similarity < leastSimilarity || tool.contourSupport < leastSupport ? 0 : similarity + tool.contourSupport;
+}
+
+// Enough for a pose that does not follow from the frame before.
+static bool isSure(const TrackedTool& tool)
+{
+    return evidence(tool) >= startEvidence && tool.contourSupport >= startSupport;
 }
 
 // Every eye's points, to be solved. Returns how many passed the gate.
@@ -252,7 +259,7 @@ bool ToolTrackerImpl::beginAnew(int index, int first, int last)
         if (k > 0) tool.before->copyTo(*tool.full);
         fit(index, best[k].inliers);
         const double merit = evidence(tool) - doubt * tool.nis;
-        if (merit <= most || evidence(tool) < startEvidence || int(tool.inliers.size()) <= minPoints || !plausible(tool, tool.full->correction())) continue;
+        if (merit <= most || !isSure(tool) || int(tool.inliers.size()) <= minPoints || !plausible(tool, tool.full->correction())) continue;
         most = merit;
         tool.full->copyTo(*tool.best);
         tool.inliersBefore = tool.inliers;
@@ -382,7 +389,7 @@ bool ToolTrackerImpl::measureFull(int index, const TemplateSet* ahead)
     }
     // A first pose that is to be confirmed, and one after a gap, need more; an outline alone only continues.
     const bool follows = tool.state == STATE_TRACKING;
-    const bool seen = tool.points ? evidence(tool) >= (follows ? trackEvidence : startEvidence)
+    const bool seen = tool.points ? (follows ? evidence(tool) >= trackEvidence : isSure(tool))
                                   : (follows || tool.state == STATE_COASTING) && tool.contourSupport >= outlineAlone;
     if (seen && plausible(tool, tool.full->correction())) return true;
     tool.full->undo();
