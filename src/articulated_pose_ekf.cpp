@@ -12,6 +12,12 @@
 
 namespace cv { namespace surgtrack {
 
+void ArticulatedPoseEKF::copyTo(const Ptr<ArticulatedPoseEKF>& other) const
+{
+    CV_Assert(other && "other: a filter to be changed");
+    copyTo(*other);
+}
+
 ArticulatedPoseEKF::Params::Params()
     : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.1 * CV_PI / 180), processTranslation(0.0003),
       processJoint(0.03), pointNoise(3), gate(13.8), contourNoise(1), jointOffsets(true), contourCorrelation(18)
