@@ -12,6 +12,11 @@
 
 namespace cv { namespace surgtrack {
 
+void ArticulatedPoseEKF::reset()
+{
+    reset(Matx44d::eye());
+}
+
 void ArticulatedPoseEKF::copyTo(const Ptr<ArticulatedPoseEKF>& other) const
 {
     CV_Assert(other && "other: a filter to be changed");

@@ -45,7 +45,10 @@ public:
     virtual ~ArticulatedPoseEKF() {}
 
     /** @brief Back to the readings themselves, with the initial covariance. @param correction camera_T_nominal; unit: the hand-eye calibration */
-    CV_WRAP virtual void reset(const Matx44d& correction = Matx44d::eye()) = 0;
+    CV_WRAP virtual void reset(const Matx44d& correction) = 0;
+
+    /** @brief Back to the readings and the hand-eye calibration themselves, with the initial covariance. */
+    CV_WRAP void reset();
 
     /** @brief One frame passes. @param joints readings, one per coordinate [rad or m] @param growth factor on the deviations of Q */
     CV_WRAP virtual void predict(const std::vector<double>& joints, double growth = 1) = 0;

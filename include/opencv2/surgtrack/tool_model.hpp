@@ -37,7 +37,12 @@ a mesh with more triangles than @p maxTriangles is decimated (quadric error).
 @param maxTriangles 0 = keep all
 @throws cv::Exception (StsParseError or StsObjectNotFound) naming the file: missing, truncated, of an unknown type, without
 triangles, or with a vertex that is not finite */
-CV_EXPORTS_W Mesh loadMesh(const String& filename, double scale = 1, const Matx44d& link_T_mesh = Matx44d::eye(), int maxTriangles = 0);
+CV_EXPORTS_W Mesh loadMesh(const String& filename, double scale, const Matx44d& link_T_mesh, int maxTriangles = 0);
+
+/** @brief The same with all triangles, in the mesh's own frame.
+@param filename the mesh file
+@param scale metres per unit of the file */
+CV_EXPORTS_W Mesh loadMesh(const String& filename, double scale = 1);
 
 /** @brief An articulated tool: links and joints, meshes, and the keypoints that name its parts. Immutable.
 
