@@ -456,6 +456,7 @@ Mat ArticulatedPoseEKFImpl::covariance() const
 Matx22d ArticulatedPoseEKFImpl::imageCovariance(const CameraModel& camera, const Matx44d& eye_T_camera, int part) const
 {
     CV_Check(part, part >= 0 && part < int(model_->keypoints().size()), "part: no such keypoint");
+    CV_Assert(isRigid(eye_T_camera) && "eye_T_camera: rigid");
     const ToolModel::Keypoint& keypoint = model_->keypoints()[part];
     Point2d h;
     Rows2 H;

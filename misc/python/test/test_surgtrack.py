@@ -456,7 +456,7 @@ class surgtrack_test(NewOpenCVTests):
         ekf.reset()
         np.testing.assert_array_equal(ekf.correction(), eye)
         for bad in (lambda: ekf.predict([0.]), lambda: ekf.addPoints(camera, eye, [99], [(0., 0.)]), lambda: ekf.addPoints(camera, eye, [0], []),
-                    lambda: ekf.copyTo(None), lambda: ekf.reset(np.zeros((4, 4)))):
+                    lambda: ekf.copyTo(None), lambda: ekf.imageCovariance(camera, np.zeros((4, 4)), 0), lambda: ekf.reset(np.zeros((4, 4)))):
             with self.assertRaises(cv.error):
                 bad()
 
