@@ -83,15 +83,17 @@ def unreachable(headers=HEADERS):
     """What Python cannot reach and should, and entries of CPP_ONLY that it can reach, as lines to read."""
     with open(os.path.join(headers, 'surgtrack.hpp')) as file:
         names = re.findall(r'#include "opencv2/(surgtrack/\w+\.hpp)"', file.read())
-    found = []
+    found, defaults = [], []
     for name in names:
         with open(os.path.join(headers, name)) as file:
             text = re.sub(r'//[^\n]*|/\*.*?\*/|(?m:^[ \t]*#(?:\\\n|[^\n])*)', '', file.read(), flags=re.DOTALL)
         found += declarations(text)
+        defaults += [match.group(1) for match in re.finditer(r'\b(?:CV_WRAP|CV_EXPORTS_W|CV_\w+_AS\(\w+\))[^;{(]*?(\w+)\([^;{]*?\bMatx\w+&?\s+\w+\s*=', text)]
     reached = {python for _, python, wrapped in found if wrapped}
     missing = {path for path, _, wrapped in found if not wrapped and path not in reached}
     return (['%s: Python cannot reach it; expected CV_WRAP, or a reason in CPP_ONLY' % path for path in sorted(missing - set(CPP_ONLY))]
-            + ['%s: in CPP_ONLY, but there is no such thing that Python cannot reach' % path for path in sorted(set(CPP_ONLY) - missing)])
+            + ['%s: in CPP_ONLY, but there is no such thing that Python cannot reach' % path for path in sorted(set(CPP_ONLY) - missing)]
+            + ['%s: OpenCV cannot leave out a Matx argument; expected an overload in the place of its default' % name for name in defaults])
 
 
 if __name__ == '__main__':

@@ -160,9 +160,10 @@ class surgtrack_test(NewOpenCVTests):
             f.write('namespace cv { namespace surgtrack { struct CV_EXPORTS_W_SIMPLE Found { CV_PROP int part; double value; };\n'
                     'class CV_EXPORTS_W Stage { int hidden(); public: CV_WRAP virtual int run(int a = f(1)) = 0; virtual void stop() { if (a) { b(); } }\n'
                     'virtual const int& last() const = 0; CV_WRAP_AS(last) int copyLast() const; protected: virtual void help() = 0; };\n'
-                    'CV_EXPORTS void use(int a); CV_EXPORTS_W void reuse(int a); /* CV_EXPORTS void none(); */ class CV_EXPORTS Other { int a; }; }}\n')
+                    'CV_EXPORTS void use(int a); CV_EXPORTS_W void reuse(int a, const Matx44d& T = g()); /* CV_EXPORTS void none(); */ class CV_EXPORTS Other { int a; }; }}\n')
         missing = {line.partition(':')[0] for line in unreachable.unreachable(headers) if 'cannot reach it;' in line}
         self.assertEqual(missing, {'Found.value', 'Stage.stop', 'use', 'Other'})
+        self.assertTrue(any(line.startswith('reuse: OpenCV cannot leave out') for line in unreachable.unreachable(headers)))
 
     def test_tool_model_saves_and_loads(self):
         self.model.save(self.path('tool.yaml'))
