@@ -1346,12 +1346,12 @@ class SceneView:
         Raises cv2.error (StsNotImplemented) if there is neither; with a window, if there is no display
         """
         ...
-    def setViewpoint(self, from_: Tuple[float, float, float], at: Tuple[float, float, float]) -> None:
+    def setViewpoint(self, viewer: Tuple[float, float, float], centre: Tuple[float, float, float]) -> None:
         """Where the scene is seen from; by default from behind, above and right of the camera, so that the tools of the first draw() are
         in the middle.
 
-        from: the viewer's place in the camera frame [m]
-        at: what is in the middle of the picture [m]
+        viewer: where the viewer is, in the camera frame [m]
+        centre: what is in the middle of the picture [m]; another place
         """
         ...
     def draw(self, image: NDArray[Any], tools: _Sequence[DrawnTool], paths: _Sequence[NDArray[Any]], picture: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
