@@ -12,6 +12,17 @@
 
 namespace cv { namespace surgtrack {
 
+void ArticulatedPoseEKF::reset()
+{
+    reset(Matx44d::eye());
+}
+
+void ArticulatedPoseEKF::copyTo(const Ptr<ArticulatedPoseEKF>& other) const
+{
+    CV_Assert(other && "other: a filter to be changed");
+    copyTo(*other);
+}
+
 ArticulatedPoseEKF::Params::Params()
     : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.1 * CV_PI / 180), processTranslation(0.0003),
       processJoint(0.03), pointNoise(3), gate(13.8), contourNoise(1), jointOffsets(true), contourCorrelation(18)
@@ -445,6 +456,7 @@ Mat ArticulatedPoseEKFImpl::covariance() const
 Matx22d ArticulatedPoseEKFImpl::imageCovariance(const CameraModel& camera, const Matx44d& eye_T_camera, int part) const
 {
     CV_Check(part, part >= 0 && part < int(model_->keypoints().size()), "part: no such keypoint");
+    CV_Assert(isRigid(eye_T_camera) && "eye_T_camera: rigid");
     const ToolModel::Keypoint& keypoint = model_->keypoints()[part];
     Point2d h;
     Rows2 H;

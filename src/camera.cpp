@@ -29,6 +29,13 @@ Mat asRows(InputArray values, int channels, const char* name)
     return m;
 }
 
+Mat stackPoses(const std::vector<Matx44d>& poses)
+{
+    if (poses.empty()) return Mat();
+    const int sizes[] = { (int)poses.size(), 4, 4 };
+    return Mat(3, sizes, CV_64F, const_cast<Matx44d*>(poses.data())).clone();
+}
+
 bool isRigid(const Matx44d& T, double tolerance)
 {
     if (!checkRange(T)) return false;

@@ -307,6 +307,11 @@ void writePLY(const String& filename, const Mesh& mesh)
         CV_Error(Error::StsError, filename + ": cannot be written");
 }
 
+Mesh loadMesh(const String& filename, double scale)
+{
+    return loadMesh(filename, scale, Matx44d::eye());
+}
+
 Mesh loadMesh(const String& filename, double scale, const Matx44d& link_T_mesh, int maxTriangles)
 {
     CV_CheckGE(maxTriangles, 0, "maxTriangles: 0 keeps all");

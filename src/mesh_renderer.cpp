@@ -6,6 +6,12 @@
 
 namespace cv { namespace surgtrack {
 
+Rendering::Rendering() {}
+
+MeshInstance::MeshInstance() : mesh(-1), id(0), camera_T_mesh(Matx44d::eye()) {}
+
+MeshInstance::MeshInstance(int _mesh, int _id, const Matx44d& _camera_T_mesh) : mesh(_mesh), id(_id), camera_T_mesh(_camera_T_mesh) {}
+
 void Rendering::create(const Rect& newWindow)
 {
     window = newWindow;

@@ -22,6 +22,15 @@ Mat PartTemplate::getFeatures() const
     return m;
 }
 
+ToolView::ToolView() {}
+
+ToolView::ToolView(const Matx44d& _camera_T_base, const std::vector<Matx44d>& _base_T_link) : camera_T_base(_camera_T_base), base_T_link(_base_T_link) {}
+
+Mat ToolView::linkPoses() const
+{
+    return stackPoses(base_T_link);
+}
+
 PartTemplateRenderer::Params::Params()
     : boxSize(0.011), minFeatures(30), maxFeatures(250), magnitudeThreshold(80), depthSlack(0.001), wholeTool(false), tipDepthSlack(0.003)
 {
@@ -344,6 +353,17 @@ std::vector<PartTemplate> PartTemplateRenderer::renderTool(const CameraModel& ca
     std::vector<PartTemplate> templates;
     render(camera, views, 0, templates, scale, rotation);
     return templates;
+}
+
+Rendering PartTemplateRenderer::copyRendering() const
+{
+    const Rendering& last = rendering();
+    Rendering copy;
+    copy.window = last.window;
+    copy.depth = last.depth.clone();
+    copy.ids = last.ids.clone();
+    copy.shading = last.shading.clone();
+    return copy;
 }
 
 Ptr<PartTemplateRenderer> PartTemplateRenderer::create(const Ptr<MeshRenderer>& renderer, const Params& params)

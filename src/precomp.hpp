@@ -47,6 +47,9 @@ inline Matx44d rigidInverse(const Matx44d& T)
     return inv;
 }
 
+//! N x 4 x 4 CV_64F, empty if there are none.
+Mat stackPoses(const std::vector<Matx44d>& poses);
+
 //! Rotation orthonormal and right-handed, last row 0 0 0 1, all finite. The tolerance admits matrices typed with four decimals.
 bool isRigid(const Matx44d& T, double tolerance = 1e-3);
 

@@ -8,6 +8,13 @@
 
 namespace cv { namespace surgtrack {
 
+Mesh::Mesh() {}
+
+Mesh::Mesh(const std::vector<Point3f>& _vertices, const std::vector<Point3f>& _normals, const std::vector<Vec3i>& _triangles)
+    : vertices(_vertices), normals(_normals), triangles(_triangles)
+{
+}
+
 ToolModel::Link::Link()
     : parent(-1), jointType(JOINT_FIXED), coordinate(-1), scale(1), alpha(0), a(0), theta(0), d(0), mesh(-1), offsetDeviation(-1)
 {
@@ -188,12 +195,21 @@ Matx44d ToolModel::endEffectorFromLinks(const std::vector<Matx44d>& base_T_link)
     return base_T_link[description_.endEffectorLink] * description_.link_T_endEffector;
 }
 
+void ToolModel::pointJacobian(const std::vector<Matx44d>& base_T_link, int link, const Point3d& basePoint, OutputArray jacobian) const
+{
+    CV_CheckEQ(base_T_link.size(), description_.links.size(), "base_T_link: one pose per link");
+    CV_Check(link, link >= 0 && link < (int)base_T_link.size(), "no such link");
+    jacobian.create(3, (int)description_.coordinates.size(), CV_64F);
+    Mat_<double> J(3, (int)description_.coordinates.size());
+    pointJacobian(base_T_link, link, basePoint, J.ptr<double>());
+    J.copyTo(jacobian);
+}
+
 Mat ToolModel::linkPoses(InputArray joints) const
 {
     std::vector<Matx44d> base_T_link;
     forwardKinematics(joints, base_T_link);
-    const int sizes[] = { (int)base_T_link.size(), 4, 4 };
-    return Mat(3, sizes, CV_64F, base_T_link.data()).clone();
+    return stackPoses(base_T_link);
 }
 
 Matx44d ToolModel::endEffectorPose(InputArray joints) const

@@ -6,6 +6,7 @@
 come from the built module, types and documentation from the module's headers. With --check it only says whether the file is up to date."""
 
 import argparse
+import keyword
 import os
 import re
 import sys
@@ -23,7 +24,7 @@ INPUTS = {
     'String': 'str', 'std::string': 'str', 'void': 'None',
     'InputArray': ARRAY, 'OutputArray': ARRAY, 'InputOutputArray': ARRAY, 'Mat': ARRAY,
     'Point': 'Tuple[int, int]', 'Point2f': 'Tuple[float, float]', 'Point2d': 'Tuple[float, float]', 'Size': 'Tuple[int, int]',
-    'Point3f': 'Tuple[float, float, float]', 'Point3d': 'Tuple[float, float, float]', 'Vec3d': 'Tuple[float, float, float]',
+    'Point3f': 'Tuple[float, float, float]', 'Point3d': 'Tuple[float, float, float]', 'Vec3i': 'Tuple[int, int, int]', 'Vec3d': 'Tuple[float, float, float]',
     'Rect': 'Tuple[int, int, int, int]', 'Rect2d': 'Tuple[float, float, float, float]', 'Scalar': '_Sequence[float]',
 }
 NUMERIC = re.compile(r'(int|uchar|float|double|Point\w*|Rect\w*|Size|Vec\w+)$')   # a std::vector of these is returned as an array
@@ -103,7 +104,8 @@ def parse_function(text, scope, doc):
     for argument in split_arguments(rest.rsplit(')', 1)[0]):
         declared, _, default = argument.partition('=')
         match = re.match(r'(?P<type>.*?)\s*(?P<name>\w+)$', declared.replace('CV_OUT', '').replace('CV_IN_OUT', '').strip())
-        arguments[match.group('name')] = (match.group('type'), default.strip())
+        name = match.group('name')
+        arguments[name + '_' * keyword.iskeyword(name)] = (match.group('type'), default.strip())   # as the binding has it
     return Declaration('function', scope, words[-1], doc, returns=' '.join(words[:-1]), arguments=arguments, static=bool(re.search(r'\bstatic\b', head)))
 
 
@@ -164,7 +166,11 @@ class Types:
                 return DOUBLES if inner.group(1) == 'double' else ARRAY
             return 'Tuple[%s, ...]' % self.name(inner.group(1), scope, result)
         if inner:
-            return 'Union[_Sequence[float], %s]' % DOUBLES if inner.group(1) == 'double' else '_Sequence[%s]' % self.name(inner.group(1), scope, result)
+            element = inner.group(1)
+            items = '_Sequence[%s]' % self.name(element, scope, result)
+            if element == 'double' or re.match(r'Matx\d+d$', element):
+                return 'Union[%s, %s]' % (items, DOUBLES)
+            return 'Union[%s, %s]' % (items, ARRAY) if NUMERIC.match(element) else items
         inner = re.match(r'Ptr<\s*(\w+)\s*>$', cpp)
         cpp = (inner.group(1) if inner else cpp).replace('::', '.')
         for depth in range(len(scope), -1, -1):
@@ -276,7 +282,7 @@ def make():
         if d.kind == 'class':
             lines += write_class(d, declarations, types)
         elif d.kind == 'function':
-            lines += write_function(d, types, False) + ['']
+            lines += write_function(d, types, sum(o.kind == 'function' and not o.scope and o.name == d.name for o in declarations) > 1) + ['']
     unknown = ['.'.join(d.scope + [d.name, name]) for d in declarations if d.kind == 'class' for name in vars(native(d.scope, d.name))
                if not name.startswith('_') and not any(m.scope == d.scope + [d.name] and m.name == name for m in declarations)]
     known = {d.name for d in declarations if not d.scope} | {'_'.join(d.scope + [d.name]) for d in declarations}

@@ -20,9 +20,15 @@ typedef std::vector<cv::surgtrack::ContourPoint> vector_ContourPoint;
 typedef std::vector<cv::surgtrack::DrawnTool> vector_DrawnTool;
 typedef std::vector<cv::surgtrack::HandEyeFit> vector_HandEyeFit;
 typedef std::vector<cv::surgtrack::JointReading> vector_JointReading;
+typedef std::vector<cv::surgtrack::Mesh> vector_Mesh;
+typedef std::vector<cv::surgtrack::MeshInstance> vector_MeshInstance;
 typedef std::vector<cv::surgtrack::PartMatch> vector_PartMatch;
 typedef std::vector<cv::surgtrack::PartTemplate> vector_PartTemplate;
 typedef std::vector<cv::surgtrack::StageTime> vector_StageTime;
 typedef std::vector<cv::surgtrack::ToolEstimate> vector_ToolEstimate;
+typedef std::vector<cv::surgtrack::ToolView> vector_ToolView;
+typedef std::vector<cv::Matx44d> vector_Matx44d;
+typedef std::vector<cv::Point2d> vector_Point2d;
+typedef std::vector<cv::Vec3i> vector_Vec3i;
 typedef std::vector<std::vector<double> > vector_vector_double;
 #endif

@@ -37,26 +37,35 @@ public:
         CV_PROP_RW double contourCorrelation;   //!< so many neighbouring contour points tell as much as one
     };
 
-    static Ptr<ArticulatedPoseEKF> create(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params = Params());
+    /** @param model the tool
+    @param nominal_T_base the hand-eye calibration
+    @param params noise and gate */
+    CV_WRAP static Ptr<ArticulatedPoseEKF> create(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base,
+                                                  const ArticulatedPoseEKF::Params& params = ArticulatedPoseEKF::Params());
     virtual ~ArticulatedPoseEKF() {}
 
-    //! Back to the readings themselves, with the initial covariance. @param correction camera_T_nominal; unit: the hand-eye calibration
-    virtual void reset(const Matx44d& correction = Matx44d::eye()) = 0;
+    /** @brief Back to the readings themselves, with the initial covariance. @param correction camera_T_nominal; unit: the hand-eye calibration */
+    CV_WRAP virtual void reset(const Matx44d& correction) = 0;
 
-    //! One frame passes. @param joints readings, one per coordinate [rad or m] @param growth factor on the deviations of Q
-    virtual void predict(const std::vector<double>& joints, double growth = 1) = 0;
+    /** @brief Back to the readings and the hand-eye calibration themselves, with the initial covariance. */
+    CV_WRAP void reset();
 
-    //! Takes back everything since the last predict(); the prediction's P grows by these standard deviations [rad, m], as after a push.
-    virtual void inflate(double rotation, double translation) = 0;
+    /** @brief One frame passes. @param joints readings, one per coordinate [rad or m] @param growth factor on the deviations of Q */
+    CV_WRAP virtual void predict(const std::vector<double>& joints, double growth = 1) = 0;
 
-    //! Takes back everything since the last predict().
-    virtual void undo() = 0;
+    /** @brief Takes back everything since the last predict(); the prediction's P grows by these standard deviations, as after a push.
+    @param rotation [rad] @param translation [m] */
+    CV_WRAP virtual void inflate(double rotation, double translation) = 0;
+
+    /** @brief Takes back everything since the last predict(). */
+    CV_WRAP virtual void undo() = 0;
 
     /** @name One correction: begin(), any number of addPoints() and addContour(), solve().
     It may be repeated, each time about the state found before: the last one takes the place of those before it (iterated filter).
     @{ */
 
-    virtual void begin() = 0;
+    /** @brief Nothing is measured yet. */
+    CV_WRAP virtual void begin() = 0;
 
     /** @brief Points of parts.
     @param camera that saw them
@@ -68,9 +77,9 @@ public:
     @param tolerance points that are farther off than this (and than the noise) from where the state has them count little; as the
     state is that of the last solve(), not before the first one of a frame [pixel]
     @return how many passed */
-    virtual int addPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
-                          const std::vector<Point2d>& imagePoints, std::vector<uchar>& used,
-                          const std::vector<double>& noise = std::vector<double>(), double tolerance = DBL_MAX) = 0;
+    CV_WRAP virtual int addPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
+                                  const std::vector<Point2d>& imagePoints, CV_OUT std::vector<uchar>& used,
+                                  const std::vector<double>& noise = std::vector<double>(), double tolerance = DBL_MAX) = 0;
 
     /** @brief Edges on the normals of a contour.
     @param camera that saw them
@@ -78,29 +87,41 @@ public:
     @param points those found are taken
     @param tolerance edges that are farther off than this (and than the gate of three deviations) count little [pixel]
     @return how many passed */
-    virtual int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points,
-                           double tolerance) = 0;
+    CV_WRAP virtual int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points,
+                                   double tolerance) = 0;
 
-    //! How much better a push of this size [rad, m] before this frame explains what was added: half the difference of its squared
-    //! Mahalanobis distances, a log likelihood ratio but for the determinants.
-    virtual double surprise(double rotation, double translation) const = 0;
+    /** @brief How much better a push of this size before this frame explains what was added: half the difference of its squared
+    Mahalanobis distances, a log likelihood ratio but for the determinants.
+    @param rotation [rad] @param translation [m] */
+    CV_WRAP virtual double surprise(double rotation, double translation) const = 0;
 
-    //! @return false if the equations can't be solved; nothing changes then
-    virtual bool solve() = 0;
+    /** @brief The correction by all that was added. @return false if the equations can't be solved; nothing changes then */
+    CV_WRAP virtual bool solve() = 0;
     //! @}
 
     //! Makes another filter of the same tool what this one is.
     virtual void copyTo(ArticulatedPoseEKF& other) const = 0;
 
-    virtual const ToolView& view() const = 0;               //!< the tool as it is believed to be
-    virtual Matx44d correction() const = 0;                 //!< camera_T_nominal
-    virtual const std::vector<double>& offsets() const = 0; //!< one per coordinate, to be added to the reading [rad or m]
-    virtual Mat covariance() const = 0;                     //!< CV_64F, of (omega, v, d)
-    virtual double nis() const = 0;                         //!< of the last solve(), per degree of freedom
-    //! Covariance of where a keypoint will be seen [pixel^2], without measurement noise.
-    virtual Matx22d imageCovariance(const CameraModel& camera, const Matx44d& eye_T_camera, int part) const = 0;
-    //! Of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame.
-    virtual Matx66d poseCovariance() const = 0;
+    /** @brief Makes another filter of the same tool what this one is. @param other changes */
+    CV_WRAP void copyTo(const Ptr<ArticulatedPoseEKF>& other) const;
+
+    /** @brief The tool as it is believed to be. */
+    CV_WRAP virtual const ToolView& view() const = 0;
+    /** @brief camera_T_nominal. */
+    CV_WRAP virtual Matx44d correction() const = 0;
+    /** @brief One per coordinate, to be added to the reading [rad or m]. */
+    CV_WRAP virtual const std::vector<double>& offsets() const = 0;
+    /** @brief CV_64F, of (omega, v, d). */
+    CV_WRAP virtual Mat covariance() const = 0;
+    /** @brief Normalised innovation squared of the last solve(), per degree of freedom. */
+    CV_WRAP virtual double nis() const = 0;
+    /** @brief Covariance of where a keypoint will be seen [pixel^2], without measurement noise.
+    @param camera that will see it
+    @param eye_T_camera see addPoints()
+    @param part index of the keypoint */
+    CV_WRAP virtual Matx22d imageCovariance(const CameraModel& camera, const Matx44d& eye_T_camera, int part) const = 0;
+    /** @brief Covariance of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame. */
+    CV_WRAP virtual Matx66d poseCovariance() const = 0;
 };
 
 //! @}

@@ -51,14 +51,15 @@ public:
     @param imagePoints N x 1 CV_64FC2 [pixel]; NaN where a point is not in front of the camera */
     CV_WRAP void projectPoints(InputArray viewPoints, OutputArray imagePoints) const;
 
-    /** The inverse: viewing rays of image points.
+    /** @brief The inverse: viewing rays of image points.
     @param imagePoints N points, N x 2 or 2-channel, floating [pixel]
     @param rays N x 1 CV_64FC2, (x / z, y / z) */
     CV_WRAP void unprojectPoints(InputArray imagePoints, OutputArray rays) const;
 
-    /** The rectangle in the plane z = 1 that holds the rays of every point of the image window [x / z, y / z].
-    Tangents of the field of view; used to clip geometry before distortion is applied. */
-    Rect2d fieldOfView(const Rect& window) const;
+    /** @brief The rectangle in the plane z = 1 that holds the rays of every point of the image window [x / z, y / z].
+    Tangents of the field of view; used to clip geometry before distortion is applied.
+    @param window part of the image [pixel] */
+    CV_WRAP Rect2d fieldOfView(const Rect& window) const;
 
     double fx, fy, cx, cy;   //!< [pixel]
     double k[12];            //!< k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4

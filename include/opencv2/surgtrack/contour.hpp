@@ -17,16 +17,16 @@ struct CV_EXPORTS_W_SIMPLE ContourPoint
 {
     CV_WRAP ContourPoint();
 
-    CV_PROP int link;              //!< index of the link it lies on
-    CV_PROP Point3d linkPoint;     //!< in the link's frame [m]
-    CV_PROP Point3d linkDirection; //!< along the edge, in the link's frame; the tool is on its left, seen from the camera
-    CV_PROP Point2d imagePoint;    //!< where it is expected [pixel]
-    CV_PROP Point2d normal;        //!< unit vector in the image, out of the tool
-    CV_PROP bool crease;           //!< an edge inside the tool's image, not its outline
-    CV_PROP bool found;            //!< whether the image has an edge near it
-    CV_PROP double offset;         //!< where, from imagePoint along the normal [pixel]
-    CV_PROP double deviation;      //!< standard deviation of the offset, as edges of this strength have it [pixel]
-    CV_PROP double strength;       //!< of that edge, change of the strongest channel [grey levels a pixel]
+    CV_PROP_RW int link;              //!< index of the link it lies on
+    CV_PROP_RW Point3d linkPoint;     //!< in the link's frame [m]
+    CV_PROP_RW Point3d linkDirection; //!< along the edge, in the link's frame; the tool is on its left, seen from the camera
+    CV_PROP_RW Point2d imagePoint;    //!< where it is expected [pixel]
+    CV_PROP_RW Point2d normal;        //!< unit vector in the image, out of the tool
+    CV_PROP_RW bool crease;           //!< an edge inside the tool's image, not its outline
+    CV_PROP_RW bool found;            //!< whether the image has an edge near it
+    CV_PROP_RW double offset;         //!< where, from imagePoint along the normal [pixel]
+    CV_PROP_RW double deviation;      //!< standard deviation of the offset, as edges of this strength have it [pixel]
+    CV_PROP_RW double strength;       //!< of that edge, change of the strongest channel [grey levels a pixel]
 };
 
 /** @brief The outline of a tool: from its meshes' edges, so exact to a fraction of a pixel, where a drawing shows that they are seen.
@@ -47,13 +47,14 @@ public:
     CV_WRAP static Ptr<ToolContour> create(const Ptr<ToolModel>& model, const ToolContour::Params& params = ToolContour::Params());
     virtual ~ToolContour() {}
 
-    /** @param camera of the drawing
+    /** @brief Points of the outline and the creases, where a drawing shows that they are seen.
+    @param camera of the drawing
     @param view of this tool
     @param rendering a drawing of all tools from this view; points outside its window are left out
     @param id of this tool's meshes in the drawing
     @param points result */
-    virtual void sample(const CameraModel& camera, const ToolView& view, const Rendering& rendering, int id,
-                        std::vector<ContourPoint>& points) = 0;
+    CV_WRAP virtual void sample(const CameraModel& camera, const ToolView& view, const Rendering& rendering, int id,
+                                CV_OUT std::vector<ContourPoint>& points) = 0;
 
     /** @brief The same for a single tool, which is drawn for it.
     @param camera intrinsics and distortion
@@ -70,7 +71,7 @@ outline: to a tenth of a pixel for turns up to 0.05 rad.
 @param camera of the view
 @param view of their tool
 @param points imagePoint and normal are set; points that are not in front of the camera are dropped */
-CV_EXPORTS void placeContour(const CameraModel& camera, const ToolView& view, std::vector<ContourPoint>& points);
+CV_EXPORTS_W void placeContour(const CameraModel& camera, const ToolView& view, CV_IN_OUT std::vector<ContourPoint>& points);
 
 /** @brief Where edges are sought, and which are believed. */
 struct CV_EXPORTS_W_SIMPLE ContourSearch

@@ -58,6 +58,16 @@ CV_EXPORTS_W void drawTool(InputOutputArray image, const CameraModel& camera, co
                            const Matx44d& camera_T_base, const Scalar& color = Scalar(0, 255, 0), double opacity = 0.4,
                            const Ptr<MeshRenderer>& renderer = Ptr<MeshRenderer>());
 
+/** @brief Draws a tool's skeleton (joint axes' origins and the end effector) and its keypoints into an image.
+@param image CV_8UC3, is drawn on
+@param camera of the image
+@param model the tool
+@param joints one value per coordinate [rad or m]
+@param camera_T_base the arm's base in the camera frame
+@param color BGR */
+CV_EXPORTS_W void drawSkeleton(InputOutputArray image, const CameraModel& camera, const Ptr<ToolModel>& model, InputArray joints,
+                               const Matx44d& camera_T_base, const Scalar& color);
+
 /** @brief The colour of a quantised orientation, BGR. @param bin 0..7 */
 CV_EXPORTS_W Scalar orientationColor(int bin);
 

@@ -37,7 +37,7 @@ enum HandEyeMethod
     HAND_EYE_REFINED = 7        //!< least squares of the poses' errors in their standard deviations, from the best of the others
 };
 
-//! `tsai`, `park`, ..., `refined`; `best` for HAND_EYE_BEST.
+/** @brief `tsai`, `park`, ..., `refined`; `best` for HAND_EYE_BEST. */
 CV_EXPORTS_W String handEyeMethodName(int method);
 
 /** @brief Options of estimateHandEye(). */

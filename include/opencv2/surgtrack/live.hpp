@@ -94,9 +94,10 @@ public:
     @return see cv::surgtrack::JointsState; of several coordinates that of the first one that is not found */
     CV_WRAP virtual int at(double time, CV_OUT std::vector<double>& joints) const = 0;
 
-    //! The last moment of which all coordinates are known [s]; -DBL_MAX if there is none.
+    /** @brief The last moment of which all coordinates are known [s]; -DBL_MAX if there is none. */
     CV_WRAP virtual double newest() const = 0;
 
+    /** @brief Forgets all readings. */
     CV_WRAP virtual void clear() = 0;
 };
 
@@ -105,7 +106,7 @@ less than none, so the one that arrived soonest after its stamp tells best; of t
 class CV_EXPORTS_W ClockOffset
 {
 public:
-    //! @param window length of the time that is looked back on [s]
+    /** @param window length of the time that is looked back on [s] */
     CV_WRAP static Ptr<ClockOffset> create(double window = 10.);
 
     virtual ~ClockOffset() {}
@@ -115,7 +116,7 @@ public:
     @throws cv::Exception for values that are not finite */
     CV_WRAP virtual void add(double stamp, double arrival) = 0;
 
-    //! What to add to a time of the sender's clock to have it on this one [s]: the least arrival - stamp. 0 without a message.
+    /** @brief What to add to a time of the sender's clock to have it on this one [s]: the least arrival - stamp. 0 without a message. */
     CV_WRAP virtual double offset() const = 0;
 };
 

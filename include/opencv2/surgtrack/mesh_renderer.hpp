@@ -14,12 +14,14 @@ namespace cv { namespace surgtrack {
 //! @{
 
 /** @brief What a MeshRenderer draws: three images of the same size, for one window of the camera's image. */
-struct CV_EXPORTS Rendering
+struct CV_EXPORTS_W_SIMPLE Rendering
 {
-    Rect window;    //!< the part of the image that was drawn; pixel (0, 0) of the maps is window.tl() of the image
-    Mat depth;      //!< CV_32FC1, z in the camera frame [m], 0 where there is nothing
-    Mat ids;        //!< CV_8UC1, MeshInstance::id of the nearest surface, 0 where there is nothing
-    Mat shading;    //!< CV_8UC1, headlight shading: 255 * |cos| of the angle between normal and viewing ray, 0 where nothing
+    CV_WRAP Rendering();
+
+    CV_PROP_RW Rect window;    //!< the part of the image that was drawn; pixel (0, 0) of the maps is window.tl() of the image
+    CV_PROP_RW Mat depth;      //!< CV_32FC1, z in the camera frame [m], 0 where there is nothing
+    CV_PROP_RW Mat ids;        //!< CV_8UC1, MeshInstance::id of the nearest surface, 0 where there is nothing
+    CV_PROP_RW Mat shading;    //!< CV_8UC1, headlight shading: 255 * |cos| of the angle between normal and viewing ray, 0 where nothing
 
     //! Makes the three maps of the window's size; memory is taken only when the window outgrows all before it.
     void create(const Rect& newWindow);
@@ -29,11 +31,14 @@ private:
 };
 
 /** @brief A mesh placed in the camera frame. */
-struct CV_EXPORTS MeshInstance
+struct CV_EXPORTS_W_SIMPLE MeshInstance
 {
-    int mesh;                  //!< what MeshRenderer::addMesh() returned
-    int id;                    //!< 1..255, written into Rendering::ids
-    Matx44d camera_T_mesh;     //!< rigid
+    CV_WRAP MeshInstance();
+    CV_WRAP MeshInstance(int mesh, int id, const Matx44d& camera_T_mesh);
+
+    CV_PROP_RW int mesh;                  //!< what MeshRenderer::addMesh() returned
+    CV_PROP_RW int id;                    //!< 1..255, written into Rendering::ids
+    CV_PROP_RW Matx44d camera_T_mesh;     //!< rigid
 };
 
 /** @brief Draws meshes as the camera would see them: with its intrinsics, its distortion, and hiding each other.
@@ -52,8 +57,9 @@ public:
     CV_WRAP static Ptr<MeshRenderer> createVTK();
 
     /** @brief Makes a mesh known.
+    @param mesh with at least one triangle, and a normal for each vertex
     @return its handle for MeshInstance::mesh */
-    virtual int addMesh(const Mesh& mesh) = 0;
+    CV_WRAP virtual int addMesh(const Mesh& mesh) = 0;
 
     /** @brief Draws the instances into the window of the camera's image.
     @param camera intrinsics and distortion
@@ -62,12 +68,13 @@ public:
     @param rendering result
     @param regions the parts of the window that are needed, in the image's coordinates; what lies outside of them may stay empty.
     None: all of it is needed */
-    virtual void render(const CameraModel& camera, const Rect& window, const std::vector<MeshInstance>& instances, Rendering& rendering,
-                        const std::vector<Rect>& regions = std::vector<Rect>()) = 0;
+    CV_WRAP virtual void render(const CameraModel& camera, const Rect& window, const std::vector<MeshInstance>& instances, CV_OUT Rendering& rendering,
+                                const std::vector<Rect>& regions = std::vector<Rect>()) = 0;
 
     /** @brief Makes all meshes of a tool known, one after the other; those of a tool that is known already are not added again.
+    @param tool whose mesh i gets the handle of the first one + i
     @return the handle of the first one */
-    int addTool(const Ptr<ToolModel>& tool);
+    CV_WRAP int addTool(const Ptr<ToolModel>& tool);
 
     /** @brief Draws one tool into a whole image.
     @param tool addTool() is called for it

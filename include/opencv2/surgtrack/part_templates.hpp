@@ -37,10 +37,19 @@ struct CV_EXPORTS_W_SIMPLE PartTemplate
 };
 
 /** @brief What PartTemplateRenderer needs to know of a tool in one frame. */
-struct CV_EXPORTS ToolView
+struct CV_EXPORTS_W_SIMPLE ToolView
 {
-    Matx44d camera_T_base;                  //!< camera_T_nominal * nominal_T_base
+    CV_WRAP ToolView();
+
+    /** @param camera_T_base camera_T_nominal * nominal_T_base
+    @param base_T_link one per link, ToolModel::forwardKinematics() or ToolModel::linkPoses() */
+    CV_WRAP ToolView(const Matx44d& camera_T_base, const std::vector<Matx44d>& base_T_link);
+
+    CV_PROP_RW Matx44d camera_T_base;       //!< camera_T_nominal * nominal_T_base
     std::vector<Matx44d> base_T_link;       //!< ToolModel::forwardKinematics()
+
+    /** @brief base_T_link as an array, L x 4 x 4 CV_64F. */
+    CV_WRAP Mat linkPoses() const;
 };
 
 /** @brief Cuts part templates from a drawing of the tools (paper, Sec. 2.1).
@@ -68,7 +77,7 @@ public:
                                                     const PartTemplateRenderer::Params& params = PartTemplateRenderer::Params());
     virtual ~PartTemplateRenderer() {}
 
-    /** @brief Adds a tool. @return its index */
+    /** @brief Adds a tool. @param model the tool @return its index */
     CV_WRAP virtual int addTool(const Ptr<ToolModel>& model) = 0;
 
     /** @brief Draws the tools and cuts the templates of one of them.
@@ -79,8 +88,8 @@ public:
     @param scale the tool is drawn this much larger, about the centre of its keypoints (initialisation: 0.8, 1, 1.2)
     @param rotation the tool is turned by this about the viewing ray through the centre of its keypoints [rad]
     (initialisation: 0, +-15 degrees) */
-    virtual void render(const CameraModel& camera, const std::vector<ToolView>& views, int tool, std::vector<PartTemplate>& templates,
-                        double scale = 1, double rotation = 0) = 0;
+    CV_WRAP virtual void render(const CameraModel& camera, const std::vector<ToolView>& views, int tool, CV_OUT std::vector<PartTemplate>& templates,
+                                double scale = 1, double rotation = 0) = 0;
 
     /** @brief The same for a single tool, from its joints.
     @param camera intrinsics and distortion
@@ -91,10 +100,14 @@ public:
     CV_WRAP std::vector<PartTemplate> renderTool(const CameraModel& camera, const Matx44d& camera_T_base, InputArray joints,
                                                  double scale = 1, double rotation = 0);
 
-    virtual Ptr<ToolModel> model(int tool) const = 0;
+    /** @brief A tool that was added. @param tool index */
+    CV_WRAP virtual Ptr<ToolModel> model(int tool) const = 0;
 
     //! The last drawing: of the parts' surroundings, or of the whole tool.
     virtual const Rendering& rendering() const = 0;
+
+    /** @brief The last drawing: of the parts' surroundings, or of the whole tool. A copy, which stays as it is. */
+    CV_WRAP_AS(rendering) Rendering copyRendering() const;
 
     //! Takes the last drawing away, for another's memory.
     virtual void swapRendering(Rendering& other) = 0;

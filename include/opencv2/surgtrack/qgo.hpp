@@ -25,8 +25,11 @@ CV_EXPORTS_W void quantizeOrientations(InputArray image, OutputArray orientation
 
 /** @brief The same for a window of a larger image: pixels beyond the window but inside the image are used, so that the result
 is quantizeOrientations() of the whole image, cut out.
-@param orientations CV_8UC1 of the window's size */
-CV_EXPORTS void quantizeOrientations(InputArray image, const Rect& window, OutputArray orientations, double magnitudeThreshold = 50);
+@param image CV_8UC1 or CV_8UC3, any size; pixels beyond its border repeat it
+@param window part of the image; must lie inside it
+@param orientations CV_8UC1 of the window's size
+@param magnitudeThreshold see quantizeOrientations() */
+CV_EXPORTS_AS(quantizeOrientationsInWindow) void quantizeOrientations(InputArray image, const Rect& window, OutputArray orientations, double magnitudeThreshold = 50);
 
 /** @brief Spreads orientations: each pixel gets the bits of all pixels of the size x size square around it
 (@cite hinterstoisser2012gradient, Sec. 3.3). Tolerates misplacement by size / 2 pixels.

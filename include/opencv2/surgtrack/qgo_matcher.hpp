@@ -18,12 +18,12 @@ struct CV_EXPORTS_W_SIMPLE PartMatch
 {
     CV_WRAP PartMatch();
 
-    CV_PROP int tool;              //!< index of the tool
-    CV_PROP int part;              //!< index of the keypoint
-    CV_PROP Point2d imagePoint;    //!< where it was found [pixel]
-    CV_PROP double similarity;     //!< 0..1
-    CV_PROP Point2d predictedPoint;//!< where the template expected it [pixel]
-    CV_PROP int templateIndex;     //!< index into the templates that were matched
+    CV_PROP_RW int tool;              //!< index of the tool
+    CV_PROP_RW int part;              //!< index of the keypoint
+    CV_PROP_RW Point2d imagePoint;    //!< where it was found [pixel]
+    CV_PROP_RW double similarity;     //!< 0..1
+    CV_PROP_RW Point2d predictedPoint;//!< where the template expected it [pixel]
+    CV_PROP_RW int templateIndex;     //!< index into the templates that were matched
 };
 
 /** @brief Finds part templates in an image by their quantised gradient orientations (paper, Sec. 2.1).

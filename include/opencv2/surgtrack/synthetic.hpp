@@ -79,8 +79,8 @@ public:
     @param image CV_8UC3, BGR
     @param right the right eye of a stereo scene
     @throws cv::Exception for vectors of different lengths, and for more links than a MeshRenderer can tell apart */
-    virtual void renderArms(int frame, const std::vector<std::vector<double> >& joints, const std::vector<Matx44d>& camera_T_base,
-                            OutputArray image, bool right = false) = 0;
+    CV_WRAP virtual void renderArms(int frame, const std::vector<std::vector<double> >& joints, const std::vector<Matx44d>& camera_T_base,
+                                    OutputArray image, bool right = false) = 0;
 
     /** @brief Writes the scene as a sequence folder: sequence.yaml, video, kinematics.csv (100 Hz), groundtruth.csv,
     keypoints.csv, and the tool file with its meshes.

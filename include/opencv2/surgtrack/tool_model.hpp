@@ -16,11 +16,14 @@ namespace cv { namespace surgtrack {
 /** @brief A triangle mesh in the frame of its link [m].
 
 Vertices on creases are stored once per side, so that a vertex has one normal. */
-struct CV_EXPORTS Mesh
+struct CV_EXPORTS_W_SIMPLE Mesh
 {
-    std::vector<Point3f> vertices;   //!< [m]
-    std::vector<Point3f> normals;    //!< unit length, outward where the surface is closed; one per vertex
-    std::vector<Vec3i> triangles;    //!< vertex indices
+    CV_WRAP Mesh();
+    CV_WRAP Mesh(const std::vector<Point3f>& vertices, const std::vector<Point3f>& normals, const std::vector<Vec3i>& triangles);
+
+    CV_PROP_RW std::vector<Point3f> vertices;   //!< [m]
+    CV_PROP_RW std::vector<Point3f> normals;    //!< unit length, outward where the surface is closed; one per vertex
+    CV_PROP_RW std::vector<Vec3i> triangles;    //!< vertex indices
 };
 
 /** @brief Reads a PLY, STL or OBJ file, by its extension.
@@ -34,7 +37,12 @@ a mesh with more triangles than @p maxTriangles is decimated (quadric error).
 @param maxTriangles 0 = keep all
 @throws cv::Exception (StsParseError or StsObjectNotFound) naming the file: missing, truncated, of an unknown type, without
 triangles, or with a vertex that is not finite */
-CV_EXPORTS Mesh loadMesh(const String& filename, double scale = 1, const Matx44d& link_T_mesh = Matx44d::eye(), int maxTriangles = 0);
+CV_EXPORTS_W Mesh loadMesh(const String& filename, double scale, const Matx44d& link_T_mesh, int maxTriangles = 0);
+
+/** @brief The same with all triangles, in the mesh's own frame.
+@param filename the mesh file
+@param scale metres per unit of the file */
+CV_EXPORTS_W Mesh loadMesh(const String& filename, double scale = 1);
 
 /** @brief An articulated tool: links and joints, meshes, and the keypoints that name its parts. Immutable.
 
@@ -106,12 +114,14 @@ public:
     /** @brief Names of the keypoints, in the order of keypointPositions(). */
     CV_WRAP std::vector<String> keypointNames() const;
     const std::vector<Link>& links() const { return description_.links; }
-    const std::vector<Mesh>& meshes() const { return description_.meshes; }
+    /** @brief The meshes that links refer to. */
+    CV_WRAP const std::vector<Mesh>& meshes() const { return description_.meshes; }
     const std::vector<Keypoint>& keypoints() const { return description_.keypoints; }
     /** @brief Index of the coordinate, or -1. */
     CV_WRAP int coordinateIndex(const String& name) const;
 
-    int endEffectorLink() const { return description_.endEffectorLink; }
+    /** @brief Index of the link that carries the end effector. */
+    CV_WRAP int endEffectorLink() const { return description_.endEffectorLink; }
 
     /** @brief How wrong joint readings may be: prior standard deviation of a constant offset, one per coordinate [rad or m]; 0 = exact,
     or not to be told from an error of the hand-eye calibration. What the links of a coordinate state (Link::offsetDeviation);
@@ -142,9 +152,10 @@ public:
     @return base_T_tool, the end effector's pose in the base frame */
     CV_WRAP Matx44d endEffectorPose(InputArray joints) const;
 
-    /** @param base_T_link as forwardKinematics() gives them
+    /** @brief The end effector's pose, from those of the links.
+    @param base_T_link as forwardKinematics() or linkPoses() give them
     @return base_T_tool */
-    Matx44d endEffectorFromLinks(const std::vector<Matx44d>& base_T_link) const;
+    CV_WRAP Matx44d endEffectorFromLinks(const std::vector<Matx44d>& base_T_link) const;
 
     /** @brief Keypoints in the base frame.
     @param joints one value per coordinate [rad or m]
@@ -158,6 +169,13 @@ public:
     @param basePoint the point in the base frame [m]
     @param jacobian 3 x C, row-major, is overwritten */
     void pointJacobian(const std::vector<Matx44d>& base_T_link, int link, const Point3d& basePoint, double* jacobian) const;
+
+    /** @brief The joint Jacobian of any point fixed to a link, as a matrix.
+    @param base_T_link as forwardKinematics() or linkPoses() give them
+    @param link the link that carries the point
+    @param basePoint the point in the base frame [m]
+    @param jacobian 3 x C CV_64F */
+    CV_WRAP void pointJacobian(const std::vector<Matx44d>& base_T_link, int link, const Point3d& basePoint, OutputArray jacobian) const;
 
 private:
     explicit ToolModel(const Description& description);

@@ -33,7 +33,7 @@ enum TrackingState
     STATE_LOST = 3            //!< the pose must not be used
 };
 
-//! `initializing`, `tracking`, `coasting` or `lost`, as poses files have it.
+/** @brief `initializing`, `tracking`, `coasting` or `lost`, as poses files have it. @param state see cv::surgtrack::TrackingState */
 CV_EXPORTS_W String stateName(int state);
 
 /** @brief The tracker's answer for one tool and one frame. */
@@ -175,18 +175,9 @@ public:
     /** @brief Times of the stages since the first frame or the last resetTimings(), in the order of the data flow; `total` comes last. */
     CV_WRAP virtual std::vector<StageTime> getTimings() const = 0;
 
+    /** @brief Starts the times of getTimings() anew; tracking goes on as it was. */
     CV_WRAP virtual void resetTimings() = 0;
 };
-
-/** @brief Draws a tool's skeleton (joint axes' origins and the end effector) and its keypoints into an image.
-@param image CV_8UC3, is drawn on
-@param camera of the image
-@param model the tool
-@param joints one value per coordinate [rad or m]
-@param camera_T_base the arm's base in the camera frame
-@param color BGR */
-CV_EXPORTS_W void drawSkeleton(InputOutputArray image, const CameraModel& camera, const Ptr<ToolModel>& model, InputArray joints,
-                               const Matx44d& camera_T_base, const Scalar& color);
 
 //! @}
 

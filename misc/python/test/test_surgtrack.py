@@ -4,6 +4,7 @@ from __future__ import print_function
 
 import os
 import shutil
+import sys
 import tempfile
 
 import numpy as np
@@ -116,6 +117,21 @@ class surgtrack_test(NewOpenCVTests):
                 self.model.linkMesh(bad)
         with self.assertRaises(cv.error):
             self.model.linkPoses(np.zeros(3))
+        np.testing.assert_array_equal(self.model.endEffectorFromLinks(poses), self.model.endEffectorPose(self.joints))
+        tip = self.model.endEffectorLink()
+        jacobian = self.model.pointJacobian(poses, tip, self.model.endEffectorPose(self.joints)[:3, 3])
+        step = 1e-6
+        for c in range(7):
+            if self.model.coordinateNames()[c] == 'jaw':
+                continue   # the end effector may be on a link that the jaw does not move
+            moved = self.joints.copy()
+            moved[c] += step
+            difference = (self.model.endEffectorPose(moved) - self.model.endEffectorPose(self.joints))[:3, 3] / step
+            np.testing.assert_allclose(jacobian[:, c], difference, atol=1e-6)   # forward difference: step * curvature / 2
+        with self.assertRaises(cv.error):
+            self.model.pointJacobian(poses, len(names), (0, 0, 0))
+        with self.assertRaises(cv.error):
+            self.model.endEffectorFromLinks(poses[:2])
 
     def test_everything_public_is_documented(self):
         for owner in [st] + [value for value in vars(st).values() if isinstance(value, type)]:
@@ -123,8 +139,31 @@ class surgtrack_test(NewOpenCVTests):
                 if name.startswith('_') or not callable(value) or isinstance(value, type) or '_' in name and owner is st and name.split('_')[0] in vars(st):
                     continue
                 signature, _, text = (value.__doc__ or '').partition('\n')
-                if name not in ('create', 'resetTimings', 'stateName'):   # of these the signature says it, or the class
+                if name != 'create':   # of these the signature says it, or the class
                     self.assertGreater(len(text), 10, '%s.%s: %s' % (owner.__name__, name, signature))
+
+    def test_everything_public_is_reachable(self):
+        folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..')
+        if not os.path.exists(os.path.join(folder, 'unreachable.py')):
+            self.skipTest('these tests lie elsewhere than the headers')
+        sys.path.insert(0, folder)
+        try:
+            import unreachable
+        finally:
+            sys.path.remove(folder)
+        self.assertEqual(unreachable.unreachable(), [])
+        headers = self.path('opencv2')   # what is not wrapped is told from what is, and from what is private
+        os.makedirs(os.path.join(headers, 'surgtrack'))
+        with open(os.path.join(headers, 'surgtrack.hpp'), 'w') as f:
+            f.write('#include "opencv2/surgtrack/stage.hpp"\n')
+        with open(os.path.join(headers, 'surgtrack', 'stage.hpp'), 'w') as f:
+            f.write('namespace cv { namespace surgtrack { struct CV_EXPORTS_W_SIMPLE Found { CV_PROP int part; double value; };\n'
+                    'class CV_EXPORTS_W Stage { int hidden(); public: CV_WRAP virtual int run(int a = f(1)) = 0; virtual void stop() { if (a) { b(); } }\n'
+                    'virtual const int& last() const = 0; CV_WRAP_AS(last) int copyLast() const; protected: virtual void help() = 0; };\n'
+                    'CV_EXPORTS void use(int a); CV_EXPORTS_W void reuse(int a, const Matx44d& T = g()); /* CV_EXPORTS void none(); */ class CV_EXPORTS Other { int a; }; }}\n')
+        missing = {line.partition(':')[0] for line in unreachable.unreachable(headers) if 'cannot reach it;' in line}
+        self.assertEqual(missing, {'Found.value', 'Stage.stop', 'use', 'Other'})
+        self.assertTrue(any(line.startswith('reuse: OpenCV cannot leave out') for line in unreachable.unreachable(headers)))
 
     def test_tool_model_saves_and_loads(self):
         self.model.save(self.path('tool.yaml'))
@@ -140,6 +179,86 @@ class surgtrack_test(NewOpenCVTests):
         np.testing.assert_array_equal(depth > 0, ids > 0)
         self.assertGreater((ids > 0).mean(), 0.01)
         self.assertTrue(hasattr(st.MeshRenderer, 'createVTK'))
+
+    def test_mesh_renderer_draws_a_triangle(self):
+        renderer = st.MeshRenderer.createSoftware()
+        corners = np.array([[-0.02, -0.015, 0], [0.02, -0.015, 0], [0, 0.02, 0]])
+        mesh = st.Mesh(corners, np.tile([0., 0, -1], (3, 1)), [(0, 1, 2)])
+        np.testing.assert_allclose(mesh.vertices, corners, atol=1e-9)   # float
+        np.testing.assert_array_equal(mesh.triangles, [[0, 1, 2]])
+        handle = renderer.addMesh(mesh)
+        T = rigid([0.4, -0.3, 0.1], [0.005, -0.002, 0.1])
+        window = (100, 50, 500, 480)
+        drawing = renderer.render(self.camera, window, [st.MeshInstance(handle, 7, T)])
+        self.assertEqual(drawing.window, window)
+        self.assertEqual((drawing.depth.shape, drawing.depth.dtype), ((480, 500), np.float32))
+        # The rays of all pixels, against the plane of the triangle and its three edges.
+        v, u = np.mgrid[50:530, 100:600]
+        rays = np.dstack([(u - 360) / 818., (v - 288) / 822., np.ones(u.shape)])
+        n, p = T[:3, 2], T[:3, 3]
+        z = n.dot(p) / rays.dot(n)
+        on_plane = (rays * z[:, :, None] - p).dot(T[:3, :3])[:, :, :2]
+        inside = np.full(u.shape, np.inf)   # distance from the nearest edge [m], negative outside
+        for i in range(3):
+            a, b = corners[i, :2], corners[(i + 1) % 3, :2]
+            d = (b - a) / np.linalg.norm(b - a)
+            inside = np.minimum(inside, (on_plane - a).dot([-d[1], d[0]]))
+        pixel = 0.1 / 818.
+        self.assertGreater(np.count_nonzero(inside > pixel), 30000)
+        np.testing.assert_allclose(drawing.depth[inside > pixel], z[inside > pixel], atol=2e-6)   # float maps, vertices to 1/256 pixel
+        self.assertTrue((drawing.ids[inside > pixel] == 7).all())
+        self.assertTrue((drawing.depth[inside < -pixel] == 0).all() and (drawing.ids[inside < -pixel] == 0).all())
+        shade = 255 * np.abs(rays.dot(n)) / np.linalg.norm(rays, axis=2)
+        np.testing.assert_allclose(drawing.shading[inside > pixel], shade[inside > pixel], atol=2.5)   # eight bits
+        # A part of it alone, the nearer of two, and what is no mesh.
+        part = renderer.render(self.camera, window, [st.MeshInstance(handle, 7, T)], [(360, 270, 16, 16)])
+        np.testing.assert_array_equal(part.depth[220:236, 260:276], drawing.depth[220:236, 260:276])
+        both = renderer.render(self.camera, window, [st.MeshInstance(handle, 7, T), st.MeshInstance(handle, 9, rigid([0, 0, 0], [0, 0, -0.02]) @ T)])
+        self.assertEqual(both.ids[238, 260], 9)
+        for bad in (st.MeshInstance(handle + 1, 7, T), st.MeshInstance(handle, 0, T), st.MeshInstance()):
+            with self.assertRaises(cv.error):
+                renderer.render(self.camera, window, [bad])
+        for bad in (st.Mesh(), st.Mesh(corners, [], [(0, 1, 2)]), st.Mesh(corners, np.tile([0., 0, -1], (3, 1)), [(0, 1, 3)])):
+            with self.assertRaises(cv.error):
+                renderer.addMesh(bad)
+
+    def test_meshes_come_from_files_and_tools(self):
+        self.model.save(self.path('tool.yaml'))
+        meshes = self.model.meshes()
+        self.assertEqual(len(meshes), max(self.model.linkMesh(link) for link in range(len(self.model.linkNames()))) + 1)
+        self.assertEqual(meshes[0].normals.shape, meshes[0].vertices.shape)
+        files = sorted(os.path.join(self.path('meshes'), name) for name in os.listdir(self.path('meshes')))
+        loaded = [st.loadMesh(name) for name in files]
+        self.assertEqual(sorted(len(m.triangles) for m in loaded), sorted(len(m.triangles) for m in meshes))
+        moved = st.loadMesh(files[0], 2., rigid([0, 0, np.pi / 2], [0, 0, 1]))
+        x, y, z = 2 * loaded[0].vertices.T
+        np.testing.assert_allclose(np.sort(moved.vertices, axis=0), np.sort(np.c_[-y, x, z + 1], axis=0), atol=1e-6)   # float
+        with self.assertRaises(cv.error):
+            st.loadMesh(self.path('missing.ply'))
+
+    def test_tools_hide_each_other(self):
+        params = st.PartTemplateRenderer.Params()
+        params.wholeTool = True
+        renderer = st.PartTemplateRenderer.create(None, params)
+        self.assertEqual([renderer.addTool(self.model), renderer.addTool(self.model)], [0, 1])
+        self.assertEqual(renderer.model(1).name(), self.model.name())
+        poses = self.model.linkPoses(self.joints)
+        far = st.ToolView(self.camera_T_base(), poses)
+        np.testing.assert_array_equal(far.linkPoses(), poses)
+        near = st.ToolView(rigid([0, 0, 0], [0.006, 0, -0.03]) @ self.camera_T_base(), list(poses))
+        alone = renderer.render(self.camera, [far, st.ToolView()], 0)
+        drawing = renderer.rendering()
+        kept = drawing.ids.copy()
+        hidden = renderer.render(self.camera, [far, near], 0)
+        self.assertGreater(len(alone), len(hidden))
+        self.assertEqual({t.tool for t in renderer.render(self.camera, [far, near], 1)}, {1})
+        self.assertEqual(set(np.unique(renderer.rendering().ids)), {0, 1, 2})
+        np.testing.assert_array_equal(drawing.ids, kept)   # a copy
+        larger = {t.part: t.viewPoint for t in renderer.render(self.camera, [far, st.ToolView()], 0, 1.2)}
+        smaller = [larger[t.part][2] < t.viewPoint[2] for t in alone if t.part in larger]
+        self.assertTrue(smaller and all(smaller))   # drawn larger is drawn nearer
+        with self.assertRaises(cv.error):
+            renderer.render(self.camera, [far], 0)
 
     def test_part_templates_are_found_where_they_were_drawn(self):
         renderer = st.PartTemplateRenderer.create(st.MeshRenderer.createSoftware(), st.PartTemplateRenderer.Params())
@@ -204,6 +323,30 @@ class surgtrack_test(NewOpenCVTests):
         with self.assertRaises(cv.error):
             st.matchContour(image, points, search)
 
+    def test_outline_of_a_drawing_is_moved_to_another_view(self):
+        contour, poses = st.ToolContour.create(self.model), self.model.linkPoses(self.joints)
+        view = st.ToolView(self.camera_T_base(), poses)
+        drawing = st.Rendering()   # filled by hand
+        drawing.window = (0, 0, 720, 576)
+        drawing.depth, ids, drawing.shading = st.MeshRenderer.createSoftware().renderTool(self.model, self.joints, self.camera_T_base(), self.camera)
+        drawing.ids = np.where(ids > 0, 3, 0).astype(np.uint8)
+        points = contour.sample(self.camera, view, drawing, 3)
+        expected = contour.sampleTool(self.camera, self.camera_T_base(), self.joints)
+        np.testing.assert_array_equal([p.imagePoint for p in points], [p.imagePoint for p in expected])
+        self.assertEqual(len(contour.sample(self.camera, view, drawing, 4)), 0)
+        points = st.placeContour(self.camera, view, points)
+        np.testing.assert_allclose([p.imagePoint for p in points], [p.imagePoint for p in expected], atol=0.01)   # meshes are in float, the shaft is long
+        moved = st.placeContour(self.camera, st.ToolView(rigid([0, 0, 0], [0.001, 0, 0]) @ self.camera_T_base(), poses), points)
+        self.assertEqual(len(moved), len(points))
+        for p, q in zip(points, moved):
+            z = (self.camera_T_base() @ poses[p.link] @ np.append(p.linkPoint, 1))[2]
+            np.testing.assert_allclose(np.subtract(q.imagePoint, p.imagePoint), [0.818 / z, 0], atol=1e-9)   # rounding
+        own = moved[0]   # an edge from elsewhere
+        own.found, own.offset, own.deviation = True, 1.5, 0.3
+        self.assertEqual((own.found, own.offset, own.deviation), (True, 1.5, 0.3))
+        with self.assertRaises(cv.error):
+            st.placeContour(self.camera, st.ToolView(), points)
+
     def test_offset_deviations(self):
         np.testing.assert_array_equal(np.ravel(self.model.offsetDeviations()), [0, 0, 0, 0.03, 0.03, 0.03, 0.03])   # the wrist and the jaw
 
@@ -217,6 +360,7 @@ class surgtrack_test(NewOpenCVTests):
         self.assertEqual(st.orientationResponse(spread, 0).max(), 4)
         self.assertEqual(st.orientationResponse(spread, 1).max(), 1)
         self.assertEqual(st.orientationResponse(spread, 4).max(), 0)
+        np.testing.assert_array_equal(st.quantizeOrientationsInWindow(image, (20, 4, 25, 30)), orientations[4:34, 20:45])
 
     def test_filter_finds_the_correction(self):
         true_correction = rigid([0.02, -0.03, 0.01], [0.003, -0.002, 0.004])
@@ -246,6 +390,80 @@ class surgtrack_test(NewOpenCVTests):
         self.assertEqual(ekf.imageCovariance((0, 0, 0.1)).shape, (2, 2))
         self.assertEqual(ekf.poseCovariance((0, 0, 0.1)).shape, (6, 6))
         self.assertGreaterEqual(ekf.nis(), 0)
+
+    # METHOD_FULL for one tool and one eye, as short as it gets: each stage called by hand.
+    def test_stages_by_hand_find_the_truth(self):
+        scene = self.scene(imageSize=(720, 576), frames=100)
+        model, camera, eye = scene.model(), scene.camera(), np.eye(4)
+        params = st.PartTemplateRenderer.Params()
+        params.wholeTool = True   # the outline is sampled from the same drawing
+        renderer, matcher, verifier = st.PartTemplateRenderer.create(None, params), st.QGOMatcher.create(), st.GeometricContextVerifier.create()
+        renderer.addTool(model)
+        contour, search = st.ToolContour.create(model), st.ContourSearch()
+        ekf = st.ArticulatedPoseEKF.create(model, scene.nominal_T_base(0), st.ArticulatedPoseEKF.Params())
+        prior = st.ArticulatedPoseEKF.create(model, scene.nominal_T_base(0))
+        errors = []
+        for frame in range(8):
+            ekf.predict(scene.recordedJoints(0, frame / 25.), 3 if 0 < frame < 4 else 1)
+            ekf.copyTo(prior)
+            half = 110 if frame == 0 else 25
+            matcher.setImage(scene.render(frame))
+            for attempt in range(3 if frame == 0 else 1):   # the first drawing is far off
+                templates = renderer.render(camera, [ekf.view()], 0)
+                windows = [(t.anchor[0] - half, t.anchor[1] - half, 2 * half + 1, 2 * half + 1) for t in templates]
+                found, inliers = verifier.verify(matcher.match(templates, windows))
+                self.assertTrue(found, frame)
+                parts, image_points = [m.part for m in inliers], [m.imagePoint for m in inliers]
+                ekf.begin()
+                passed, used = ekf.addPoints(camera, eye, parts, image_points)
+                self.assertEqual((len(used), np.count_nonzero(used)), (len(parts), passed))
+                self.assertGreaterEqual(passed, 3)
+                self.assertTrue(ekf.solve())
+                half = 25
+            outline = contour.sample(camera, ekf.view(), self.drawing(renderer, camera, ekf.view()), 1)
+            for reach in (8., 5., 3.):
+                search.halfWindow = reach
+                outline = st.placeContour(camera, ekf.view(), outline)
+                count, outline = st.matchContour(scene.render(frame), outline, search)
+                self.assertGreater(count, 20)
+                ekf.begin()
+                ekf.addPoints(camera, eye, parts, np.array(image_points), [1.] * len(parts), reach)
+                self.assertGreater(ekf.addContour(camera, eye, outline, reach / 2), 20)
+                self.assertTrue(np.isfinite(ekf.surprise(0.02, 0.002)))
+                self.assertTrue(ekf.solve())
+            view = ekf.view()
+            pose = view.camera_T_base @ model.endEffectorFromLinks(view.linkPoses())
+            errors.append(np.linalg.norm(pose[:3, 3] - scene.truePose(0, frame / 25.)[:3, 3]))
+        nominal = scene.nominal_T_base(0) @ model.endEffectorPose(scene.recordedJoints(0, frame / 25.))
+        self.assertGreater(np.linalg.norm(nominal[:3, 3] - scene.truePose(0, frame / 25.)[:3, 3]), 0.003)   # what there was to find
+        self.assertLess(max(errors[3:]), 0.001, errors)
+        np.testing.assert_allclose(view.camera_T_base, ekf.correction() @ scene.nominal_T_base(0), atol=1e-12)   # rounding
+        self.assertEqual(ekf.covariance().shape, (10, 10))
+        self.assertLess(np.trace(ekf.covariance()), np.trace(prior.covariance()))   # by the last frame
+        self.assertEqual(ekf.offsets().shape, (7,))
+        self.assertTrue((ekf.offsets()[:3] == 0).all() and (ekf.offsets()[3:] != 0).all())
+        self.assertGreater(np.linalg.eigvalsh(ekf.poseCovariance()).min(), 0)
+        self.assertEqual(ekf.imageCovariance(camera, eye, 0).shape, (2, 2))
+        self.assertTrue(ekf.nis() > 0)
+        found = ekf.correction()
+        ekf.undo()
+        np.testing.assert_array_equal(ekf.correction(), prior.correction())
+        before = np.trace(ekf.covariance())
+        ekf.inflate(0.1, 0.01)
+        self.assertAlmostEqual(np.trace(ekf.covariance()) - before, 3 * (0.01 + 0.0001), places=9)   # rounding
+        ekf.reset(found)
+        np.testing.assert_array_equal(ekf.correction(), found)
+        self.assertFalse(ekf.solve())   # nothing was added
+        ekf.reset()
+        np.testing.assert_array_equal(ekf.correction(), eye)
+        for bad in (lambda: ekf.predict([0.]), lambda: ekf.addPoints(camera, eye, [99], [(0., 0.)]), lambda: ekf.addPoints(camera, eye, [0], []),
+                    lambda: ekf.copyTo(None), lambda: ekf.imageCovariance(camera, np.zeros((4, 4)), 0), lambda: ekf.reset(np.zeros((4, 4)))):
+            with self.assertRaises(cv.error):
+                bad()
+
+    def drawing(self, renderer, camera, view):
+        renderer.render(camera, [view], 0)
+        return renderer.rendering()
 
     def test_sequence_reads_what_the_scene_writes(self):
         scene = self.scene(tools=2, stereo=True, distortion=True)
@@ -356,6 +574,13 @@ class surgtrack_test(NewOpenCVTests):
         self.assertEqual(self.scene(tools=2).toolCount(), 2)
         self.assertEqual(self.scene().frameCount(), 6)
         self.assertEqual(self.scene().model().name(), self.model.name())
+        scene = self.scene(tools=2)   # the arms as they are, and after a knock
+        joints, bases = [scene.trueJoints(i, 3 / 25.) for i in (0, 1)], [scene.camera_T_base(i) for i in (0, 1)]
+        np.testing.assert_array_equal(scene.renderArms(3, joints, bases), scene.render(3))
+        knocked = scene.renderArms(3, joints, np.array([rigid([0, 0, 0], [0.01, 0, 0]) @ T for T in bases]))
+        self.assertGreater(np.count_nonzero(knocked != scene.render(3)), 1000)
+        with self.assertRaises(cv.error):
+            scene.renderArms(3, joints, bases[:1])
 
     def test_pose_writer(self):
         filename = self.path('poses.csv')

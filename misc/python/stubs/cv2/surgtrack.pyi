@@ -55,6 +55,34 @@ STATE_COASTING: int
 """nothing was measured for a short while: kinematics with the last correction"""
 STATE_LOST: int
 """the pose must not be used"""
+HAND_EYE_BOARD_ON_TOOL: int
+"""the instrument holds the board, the camera stands: mount = the arm's base, holder = the tool"""
+HAND_EYE_CAMERA_ON_ARM: int
+"""an arm holds the camera, the board lies: mount = the end of that arm, holder = its base"""
+HAND_EYE_BEST: int
+"""that with the smallest error in poses left out"""
+HAND_EYE_TSAI: int
+"""Tsai and Lenz 1989, as in the paper"""
+HAND_EYE_PARK: int
+HAND_EYE_HORAUD: int
+HAND_EYE_ANDREFF: int
+HAND_EYE_DANIILIDIS: int
+HAND_EYE_SHAH: int
+HAND_EYE_LI: int
+HAND_EYE_REFINED: int
+"""least squares of the poses' errors in their standard deviations, from the best of the others"""
+CalibrationBoard_CHESSBOARD: int
+CalibrationBoard_ASYMMETRIC_CIRCLES: int
+JOINTS_FOUND: int
+"""readings before and after the time, or at it"""
+JOINTS_NONE: int
+"""a coordinate has no reading at all"""
+JOINTS_TOO_OLD: int
+"""the time lies before the history"""
+JOINTS_TOO_NEW: int
+"""the time lies after the last reading: wait for the next one"""
+JOINTS_GAP: int
+"""the readings before and after are too far apart"""
 
 class CameraModel:
     """A calibrated camera: intrinsics, lens distortion and image size.
@@ -102,6 +130,54 @@ class CameraModel:
         rays: N x 1 CV_64FC2, (x / z, y / z)
         """
         ...
+    def fieldOfView(self, window: Tuple[int, int, int, int]) -> Tuple[float, float, float, float]:
+        """The rectangle in the plane z = 1 that holds the rays of every point of the image window [x / z, y / z].
+        Tangents of the field of view; used to clip geometry before distortion is applied.
+
+        window: part of the image [pixel]
+        """
+        ...
+
+class Mesh:
+    """A triangle mesh in the frame of its link [m].
+
+    Vertices on creases are stored once per side, so that a vertex has one normal.
+    """
+    @overload
+    def __init__(self) -> None: ...
+    @overload
+    def __init__(self, vertices: Union[_Sequence[Tuple[float, float, float]], NDArray[Any]], normals: Union[_Sequence[Tuple[float, float, float]], NDArray[Any]], triangles: Union[_Sequence[Tuple[int, int, int]], NDArray[Any]]) -> None: ...
+    vertices: NDArray[Any]
+    """[m]"""
+    normals: NDArray[Any]
+    """unit length, outward where the surface is closed; one per vertex"""
+    triangles: NDArray[Any]
+    """vertex indices"""
+
+@overload
+def loadMesh(filename: str, scale: float, link_T_mesh: NDArray[np.float64], maxTriangles: int = ...) -> Mesh:
+    """Reads a PLY, STL or OBJ file, by its extension.
+
+    Duplicate points are merged, polygons triangulated, normals computed (creases sharper than 35 degrees stay sharp), and
+    a mesh with more triangles than maxTriangles is decimated (quadric error).
+
+    filename: the mesh file
+    scale: metres per unit of the file
+    link_T_mesh: the mesh's (scaled) frame in the frame wanted
+    maxTriangles: 0 = keep all
+    Raises cv2.error (StsParseError or StsObjectNotFound) naming the file: missing, truncated, of an unknown type, without
+    triangles, or with a vertex that is not finite
+    """
+    ...
+
+@overload
+def loadMesh(filename: str, scale: float = ...) -> Mesh:
+    """The same with all triangles, in the mesh's own frame.
+
+    filename: the mesh file
+    scale: metres per unit of the file
+    """
+    ...
 
 class ToolModel:
     """An articulated tool: links and joints, meshes, and the keypoints that name its parts. Immutable.
@@ -142,8 +218,14 @@ class ToolModel:
     def keypointNames(self) -> Tuple[str, ...]:
         """Names of the keypoints, in the order of keypointPositions()."""
         ...
+    def meshes(self) -> Tuple[Mesh, ...]:
+        """The meshes that links refer to."""
+        ...
     def coordinateIndex(self, name: str) -> int:
         """Index of the coordinate, or -1."""
+        ...
+    def endEffectorLink(self) -> int:
+        """Index of the link that carries the end effector."""
         ...
     def offsetDeviations(self) -> NDArray[np.float64]:
         """How wrong joint readings may be: prior standard deviation of a constant offset, one per coordinate [rad or m]; 0 = exact,
@@ -179,6 +261,13 @@ class ToolModel:
         Returns: base_T_tool, the end effector's pose in the base frame
         """
         ...
+    def endEffectorFromLinks(self, base_T_link: Union[_Sequence[NDArray[np.float64]], NDArray[np.float64]]) -> NDArray[np.float64]:
+        """The end effector's pose, from those of the links.
+
+        base_T_link: as forwardKinematics() or linkPoses() give them
+        Returns: base_T_tool
+        """
+        ...
     def keypointPositions(self, joints: NDArray[Any], basePoints: Optional[NDArray[Any]] = ..., jacobian: Optional[NDArray[Any]] = ...) -> Tuple[NDArray[Any], NDArray[Any]]:
         """Keypoints in the base frame.
 
@@ -187,6 +276,40 @@ class ToolModel:
         jacobian: if wanted, 3K x C CV_64F: d(basePoints) / d(coordinates), rows x, y, z of keypoint 0, then of keypoint 1, ...
         """
         ...
+    def pointJacobian(self, base_T_link: Union[_Sequence[NDArray[np.float64]], NDArray[np.float64]], link: int, basePoint: Tuple[float, float, float], jacobian: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
+        """The joint Jacobian of any point fixed to a link, as a matrix.
+
+        base_T_link: as forwardKinematics() or linkPoses() give them
+        link: the link that carries the point
+        basePoint: the point in the base frame [m]
+        jacobian: 3 x C CV_64F
+        """
+        ...
+
+class Rendering:
+    """What a MeshRenderer draws: three images of the same size, for one window of the camera's image."""
+    def __init__(self) -> None: ...
+    window: Tuple[int, int, int, int]
+    """the part of the image that was drawn; pixel (0, 0) of the maps is window.tl() of the image"""
+    depth: NDArray[Any]
+    """CV_32FC1, z in the camera frame [m], 0 where there is nothing"""
+    ids: NDArray[Any]
+    """CV_8UC1, MeshInstance.id of the nearest surface, 0 where there is nothing"""
+    shading: NDArray[Any]
+    """CV_8UC1, headlight shading: 255 * |cos| of the angle between normal and viewing ray, 0 where nothing"""
+
+class MeshInstance:
+    """A mesh placed in the camera frame."""
+    @overload
+    def __init__(self) -> None: ...
+    @overload
+    def __init__(self, mesh: int, id: int, camera_T_mesh: NDArray[np.float64]) -> None: ...
+    mesh: int
+    """what MeshRenderer.addMesh() returned"""
+    id: int
+    """1..255, written into Rendering.ids"""
+    camera_T_mesh: NDArray[np.float64]
+    """rigid"""
 
 class MeshRenderer:
     """Draws meshes as the camera would see them: with its intrinsics, its distortion, and hiding each other.
@@ -204,10 +327,35 @@ class MeshRenderer:
         Raises cv2.error (StsNotImplemented) if there is neither
         """
         ...
+    def addMesh(self, mesh: Mesh) -> int:
+        """Makes a mesh known.
+
+        mesh: with at least one triangle, and a normal for each vertex
+        Returns: its handle for MeshInstance.mesh
+        """
+        ...
+    def render(self, camera: CameraModel, window: Tuple[int, int, int, int], instances: _Sequence[MeshInstance], regions: Union[_Sequence[Tuple[int, int, int, int]], NDArray[Any]] = ...) -> Rendering:
+        """Draws the instances into the window of the camera's image.
+
+        camera: intrinsics and distortion
+        window: part of the image; must lie inside it
+        instances: meshes and their poses; may reach behind the camera
+        rendering: result
+        regions: the parts of the window that are needed, in the image's coordinates; what lies outside of them may stay empty.
+        None: all of it is needed
+        """
+        ...
+    def addTool(self, tool: ToolModel) -> int:
+        """Makes all meshes of a tool known, one after the other; those of a tool that is known already are not added again.
+
+        tool: whose mesh i gets the handle of the first one + i
+        Returns: the handle of the first one
+        """
+        ...
     def renderTool(self, tool: ToolModel, joints: NDArray[Any], camera_T_base: NDArray[np.float64], camera: CameraModel, depth: Optional[NDArray[Any]] = ..., ids: Optional[NDArray[Any]] = ..., shading: Optional[NDArray[Any]] = ...) -> Tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
         """Draws one tool into a whole image.
 
-        tool: its meshes are added on the first call
+        tool: addTool() is called for it
         joints: one value per coordinate of the tool [rad or m]
         camera_T_base: the arm's base in the camera frame
         camera: intrinsics and distortion
@@ -248,6 +396,22 @@ class PartTemplate:
         """Features as N x 3 CV_32S: x and y from the anchor [pixel], bin of the orientation, 0..7."""
         ...
 
+class ToolView:
+    """What PartTemplateRenderer needs to know of a tool in one frame."""
+    @overload
+    def __init__(self) -> None: ...
+    @overload
+    def __init__(self, camera_T_base: NDArray[np.float64], base_T_link: Union[_Sequence[NDArray[np.float64]], NDArray[np.float64]]) -> None:
+        """camera_T_base: camera_T_nominal * nominal_T_base
+        base_T_link: one per link, ToolModel.forwardKinematics() or ToolModel.linkPoses()
+        """
+        ...
+    camera_T_base: NDArray[np.float64]
+    """camera_T_nominal * nominal_T_base"""
+    def linkPoses(self) -> NDArray[Any]:
+        """base_T_link as an array, L x 4 x 4 CV_64F."""
+        ...
+
 class PartTemplateRenderer:
     """Cuts part templates from a drawing of the tools (paper, Sec. 2.1).
 
@@ -280,7 +444,20 @@ class PartTemplateRenderer:
     def addTool(self, model: ToolModel) -> int:
         """Adds a tool.
 
+        model: the tool
         Returns: its index
+        """
+        ...
+    def render(self, camera: CameraModel, views: _Sequence[ToolView], tool: int, scale: float = ..., rotation: float = ...) -> Tuple[PartTemplate, ...]:
+        """Draws the tools and cuts the templates of one of them.
+
+        camera: intrinsics and distortion
+        views: one per tool added; a tool without link poses may be anywhere, and is not drawn
+        tool: the tool wanted; the others only hide it
+        templates: result; those of invisible parts are missing
+        scale: the tool is drawn this much larger, about the centre of its keypoints (initialisation: 0.8, 1, 1.2)
+        rotation: the tool is turned by this about the viewing ray through the centre of its keypoints [rad]
+        (initialisation: 0, +-15 degrees)
         """
         ...
     def renderTool(self, camera: CameraModel, camera_T_base: NDArray[np.float64], joints: NDArray[Any], scale: float = ..., rotation: float = ...) -> Tuple[PartTemplate, ...]:
@@ -293,6 +470,15 @@ class PartTemplateRenderer:
         rotation: see render()
         """
         ...
+    def model(self, tool: int) -> ToolModel:
+        """A tool that was added.
+
+        tool: index
+        """
+        ...
+    def rendering(self) -> Rendering:
+        """The last drawing: of the parts' surroundings, or of the whole tool. A copy, which stays as it is."""
+        ...
 
 def quantizeOrientations(image: NDArray[Any], orientations: Optional[NDArray[Any]] = ..., magnitudeThreshold: float = ...) -> NDArray[Any]:
     """Quantised gradient orientations (QGO) of an image (paper, Sec. 2.1; [hinterstoisser2012gradient]).
@@ -304,6 +490,17 @@ def quantizeOrientations(image: NDArray[Any], orientations: Optional[NDArray[Any
     image: CV_8UC1 or CV_8UC3, any size; pixels beyond its border repeat it
     orientations: CV_8UC1, same size: 0 or one bit, 1 << bin
     magnitudeThreshold: least Sobel magnitude of the blurred image [grey levels x 4] that counts as an edge
+    """
+    ...
+
+def quantizeOrientationsInWindow(image: NDArray[Any], window: Tuple[int, int, int, int], orientations: Optional[NDArray[Any]] = ..., magnitudeThreshold: float = ...) -> NDArray[Any]:
+    """The same for a window of a larger image: pixels beyond the window but inside the image are used, so that the result
+    is quantizeOrientations() of the whole image, cut out.
+
+    image: CV_8UC1 or CV_8UC3, any size; pixels beyond its border repeat it
+    window: part of the image; must lie inside it
+    orientations: CV_8UC1 of the window's size
+    magnitudeThreshold: see quantizeOrientations()
     """
     ...
 
@@ -330,30 +527,18 @@ def orientationResponse(spread: NDArray[Any], bin: int, response: Optional[NDArr
 class PartMatch:
     """A place in the image where a part may be."""
     def __init__(self) -> None: ...
-    @property
-    def tool(self) -> int:
-        """index of the tool"""
-        ...
-    @property
-    def part(self) -> int:
-        """index of the keypoint"""
-        ...
-    @property
-    def imagePoint(self) -> Tuple[float, float]:
-        """where it was found [pixel]"""
-        ...
-    @property
-    def similarity(self) -> float:
-        """0..1"""
-        ...
-    @property
-    def predictedPoint(self) -> Tuple[float, float]:
-        """where the template expected it [pixel]"""
-        ...
-    @property
-    def templateIndex(self) -> int:
-        """index into the templates that were matched"""
-        ...
+    tool: int
+    """index of the tool"""
+    part: int
+    """index of the keypoint"""
+    imagePoint: Tuple[float, float]
+    """where it was found [pixel]"""
+    similarity: float
+    """0..1"""
+    predictedPoint: Tuple[float, float]
+    """where the template expected it [pixel]"""
+    templateIndex: int
+    """index into the templates that were matched"""
 
 class QGOMatcher:
     """Finds part templates in an image by their quantised gradient orientations (paper, Sec. 2.1).
@@ -395,7 +580,7 @@ class QGOMatcher:
         roi: only windows with their templates inside it can be matched; empty = the whole image
         """
         ...
-    def match(self, templates: _Sequence[PartTemplate], windows: _Sequence[Tuple[int, int, int, int]]) -> Tuple[PartMatch, ...]:
+    def match(self, templates: _Sequence[PartTemplate], windows: Union[_Sequence[Tuple[int, int, int, int]], NDArray[Any]]) -> Tuple[PartMatch, ...]:
         """Finds templates in the prepared image. Features outside the prepared region count as not found.
 
         templates: what to look for
@@ -450,6 +635,11 @@ class GeometricContextVerifier:
         matches: candidates of one tool, sorted by falling similarity
         inliers: those that agree, at most one a part, sorted by part; empty after false
         Returns: whether at least Params.minInliers agree
+        """
+        ...
+    def sample(self) -> Tuple[PartMatch, ...]:
+        """The two matches that span the grids the inliers of the last verify() agree in: the centre, and a point on the axis.
+        Empty after false.
         """
         ...
 
@@ -554,46 +744,26 @@ class ToolPoseEKF:
 class ContourPoint:
     """A point of a tool's outline or of a crease, and where the image has an edge on its normal."""
     def __init__(self) -> None: ...
-    @property
-    def link(self) -> int:
-        """index of the link it lies on"""
-        ...
-    @property
-    def linkPoint(self) -> Tuple[float, float, float]:
-        """in the link's frame [m]"""
-        ...
-    @property
-    def linkDirection(self) -> Tuple[float, float, float]:
-        """along the edge, in the link's frame; the tool is on its left, seen from the camera"""
-        ...
-    @property
-    def imagePoint(self) -> Tuple[float, float]:
-        """where it is expected [pixel]"""
-        ...
-    @property
-    def normal(self) -> Tuple[float, float]:
-        """unit vector in the image, out of the tool"""
-        ...
-    @property
-    def crease(self) -> bool:
-        """an edge inside the tool's image, not its outline"""
-        ...
-    @property
-    def found(self) -> bool:
-        """whether the image has an edge near it"""
-        ...
-    @property
-    def offset(self) -> float:
-        """where, from imagePoint along the normal [pixel]"""
-        ...
-    @property
-    def deviation(self) -> float:
-        """standard deviation of the offset, as edges of this strength have it [pixel]"""
-        ...
-    @property
-    def strength(self) -> float:
-        """of that edge, change of the strongest channel [grey levels a pixel]"""
-        ...
+    link: int
+    """index of the link it lies on"""
+    linkPoint: Tuple[float, float, float]
+    """in the link's frame [m]"""
+    linkDirection: Tuple[float, float, float]
+    """along the edge, in the link's frame; the tool is on its left, seen from the camera"""
+    imagePoint: Tuple[float, float]
+    """where it is expected [pixel]"""
+    normal: Tuple[float, float]
+    """unit vector in the image, out of the tool"""
+    crease: bool
+    """an edge inside the tool's image, not its outline"""
+    found: bool
+    """whether the image has an edge near it"""
+    offset: float
+    """where, from imagePoint along the normal [pixel]"""
+    deviation: float
+    """standard deviation of the offset, as edges of this strength have it [pixel]"""
+    strength: float
+    """of that edge, change of the strongest channel [grey levels a pixel]"""
 
 class ToolContour:
     """The outline of a tool: from its meshes' edges, so exact to a fraction of a pixel, where a drawing shows that they are seen.
@@ -612,6 +782,16 @@ class ToolContour:
 
     @staticmethod
     def create(model: ToolModel, params: ToolContour.Params = ...) -> ToolContour: ...
+    def sample(self, camera: CameraModel, view: ToolView, rendering: Rendering, id: int) -> Tuple[ContourPoint, ...]:
+        """Points of the outline and the creases, where a drawing shows that they are seen.
+
+        camera: of the drawing
+        view: of this tool
+        rendering: a drawing of all tools from this view; points outside its window are left out
+        id: of this tool's meshes in the drawing
+        points: result
+        """
+        ...
     def sampleTool(self, camera: CameraModel, camera_T_base: NDArray[np.float64], joints: NDArray[Any]) -> Tuple[ContourPoint, ...]:
         """The same for a single tool, which is drawn for it.
 
@@ -620,6 +800,16 @@ class ToolContour:
         joints: one value per coordinate [rad or m]
         """
         ...
+
+def placeContour(camera: CameraModel, view: ToolView, points: _Sequence[ContourPoint]) -> Tuple[ContourPoint, ...]:
+    """Moves contour points to where another view has them, as long as it is so near that the same points of the tool make its
+    outline: to a tenth of a pixel for turns up to 0.05 rad.
+
+    camera: of the view
+    view: of their tool
+    points: imagePoint and normal are set; points that are not in front of the camera are dropped
+    """
+    ...
 
 class ContourSearch:
     """Where edges are sought, and which are believed."""
@@ -676,8 +866,120 @@ class ArticulatedPoseEKF:
         contourCorrelation: float
         """so many neighbouring contour points tell as much as one"""
 
+    @staticmethod
+    def create(model: ToolModel, nominal_T_base: NDArray[np.float64], params: ArticulatedPoseEKF.Params = ...) -> ArticulatedPoseEKF:
+        """model: the tool
+        nominal_T_base: the hand-eye calibration
+        params: noise and gate
+        """
+        ...
+    @overload
+    def reset(self, correction: NDArray[np.float64]) -> None:
+        """Back to the readings themselves, with the initial covariance.
+
+        correction: camera_T_nominal; unit: the hand-eye calibration
+        """
+        ...
+    @overload
+    def reset(self) -> None:
+        """Back to the readings and the hand-eye calibration themselves, with the initial covariance."""
+        ...
+    def predict(self, joints: Union[_Sequence[float], NDArray[np.float64]], growth: float = ...) -> None:
+        """One frame passes.
+
+        joints: readings, one per coordinate [rad or m]
+        growth: factor on the deviations of Q
+        """
+        ...
+    def inflate(self, rotation: float, translation: float) -> None:
+        """Takes back everything since the last predict(); the prediction's P grows by these standard deviations, as after a push.
+
+        rotation: [rad]
+        translation: [m]
+        """
+        ...
+    def undo(self) -> None:
+        """Takes back everything since the last predict()."""
+        ...
+    def begin(self) -> None:
+        """Nothing is measured yet."""
+        ...
+    def addPoints(self, camera: CameraModel, eye_T_camera: NDArray[np.float64], parts: Union[_Sequence[int], NDArray[Any]], imagePoints: Union[_Sequence[Tuple[float, float]], NDArray[Any]], noise: Union[_Sequence[float], NDArray[np.float64]] = ..., tolerance: float = ...) -> Tuple[int, NDArray[Any]]:
+        """Points of parts.
+
+        camera: that saw them
+        eye_T_camera: the camera frame of the state in that of this camera; unit if it is the same
+        parts: keypoint indices
+        imagePoints: where they were found [pixel]
+        used: 1 where the point passed the gate
+        noise: factor on Params.pointNoise, one each; none: 1
+        tolerance: points that are farther off than this (and than the noise) from where the state has them count little; as the
+        state is that of the last solve(), not before the first one of a frame [pixel]
+        Returns: how many passed
+        """
+        ...
+    def addContour(self, camera: CameraModel, eye_T_camera: NDArray[np.float64], points: _Sequence[ContourPoint], tolerance: float) -> int:
+        """Edges on the normals of a contour.
+
+        camera: that saw them
+        eye_T_camera: see addPoints()
+        points: those found are taken
+        tolerance: edges that are farther off than this (and than the gate of three deviations) count little [pixel]
+        Returns: how many passed
+        """
+        ...
+    def surprise(self, rotation: float, translation: float) -> float:
+        """How much better a push of this size before this frame explains what was added: half the difference of its squared
+        Mahalanobis distances, a log likelihood ratio but for the determinants.
+
+        rotation: [rad]
+        translation: [m]
+        """
+        ...
+    def solve(self) -> bool:
+        """The correction by all that was added.
+
+        Returns: false if the equations can't be solved; nothing changes then
+        """
+        ...
+    def copyTo(self, other: ArticulatedPoseEKF) -> None:
+        """Makes another filter of the same tool what this one is.
+
+        other: changes
+        """
+        ...
+    def view(self) -> ToolView:
+        """The tool as it is believed to be."""
+        ...
+    def correction(self) -> NDArray[np.float64]:
+        """camera_T_nominal."""
+        ...
+    def offsets(self) -> NDArray[np.float64]:
+        """One per coordinate, to be added to the reading [rad or m]."""
+        ...
+    def covariance(self) -> NDArray[Any]:
+        """CV_64F, of (omega, v, d)."""
+        ...
+    def nis(self) -> float:
+        """Normalised innovation squared of the last solve(), per degree of freedom."""
+        ...
+    def imageCovariance(self, camera: CameraModel, eye_T_camera: NDArray[np.float64], part: int) -> NDArray[np.float64]:
+        """Covariance of where a keypoint will be seen [pixel^2], without measurement noise.
+
+        camera: that will see it
+        eye_T_camera: see addPoints()
+        part: index of the keypoint
+        """
+        ...
+    def poseCovariance(self) -> NDArray[np.float64]:
+        """Covariance of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame."""
+        ...
+
 def stateName(state: int) -> str:
-    """`initializing`, `tracking`, `coasting` or `lost`, as poses files have it."""
+    """`initializing`, `tracking`, `coasting` or `lost`, as poses files have it.
+
+    state: see TrackingState
+    """
     ...
 
 class ToolEstimate:
@@ -880,7 +1182,60 @@ class ToolTracker:
     def getTimings(self) -> Tuple[StageTime, ...]:
         """Times of the stages since the first frame or the last resetTimings(), in the order of the data flow; `total` comes last."""
         ...
-    def resetTimings(self) -> None: ...
+    def resetTimings(self) -> None:
+        """Starts the times of getTimings() anew; tracking goes on as it was."""
+        ...
+
+class DrawnTool:
+    """A tool as drawTools() and SceneView.draw() show it."""
+    @overload
+    def __init__(self) -> None: ...
+    @overload
+    def __init__(self, model: ToolModel, joints: Union[_Sequence[float], NDArray[np.float64]], camera_T_base: NDArray[np.float64], color: _Sequence[float], opacity: float) -> None:
+        """model: the tool
+        joints: one value per coordinate [rad or m]
+        camera_T_base: the arm's base in the camera frame
+        color: BGR
+        opacity: of its surface, 0..1
+        """
+        ...
+    model: ToolModel
+    joints: NDArray[np.float64]
+    """one value per coordinate [rad or m]"""
+    camera_T_base: NDArray[np.float64]
+    """the arm's base in the camera frame"""
+    color: _Sequence[float]
+    """BGR"""
+    opacity: float
+    """of its surface: 0 = outline only, 1 = hides the image"""
+
+def drawTools(image: NDArray[Any], camera: CameraModel, tools: _Sequence[DrawnTool], renderer: Optional[MeshRenderer] = ..., thickness: int = ...) -> NDArray[Any]:
+    """Draws tools over a camera's image where they are: their shaded surface, blended, and their outline.
+
+    All tools are in one drawing: the nearer one hides the other. Only pixels that a tool covers are changed; the image's distortion is
+    that of the camera.
+
+    image: CV_8UC3 of the camera's size, is drawn on
+    camera: of the image
+    tools: their poses and looks
+    renderer: keep one from image to image, and the tools' meshes are prepared once; none: a software renderer of this call's own
+    thickness: of the outlines, inside of the tools [pixel]; 0 = none, negative: image width / 360
+    """
+    ...
+
+def drawTool(image: NDArray[Any], camera: CameraModel, model: ToolModel, joints: NDArray[Any], camera_T_base: NDArray[np.float64], color: _Sequence[float] = ..., opacity: float = ..., renderer: Optional[MeshRenderer] = ...) -> NDArray[Any]:
+    """drawTools() of a single tool.
+
+    image: CV_8UC3 of the camera's size, is drawn on
+    camera: of the image
+    model: the tool
+    joints: one value per coordinate [rad or m]
+    camera_T_base: the arm's base in the camera frame
+    color: BGR
+    opacity: of its surface, 0..1
+    renderer: see drawTools()
+    """
+    ...
 
 def drawSkeleton(image: NDArray[Any], camera: CameraModel, model: ToolModel, joints: NDArray[Any], camera_T_base: NDArray[np.float64], color: _Sequence[float]) -> NDArray[Any]:
     """Draws a tool's skeleton (joint axes' origins and the end effector) and its keypoints into an image.
@@ -893,6 +1248,128 @@ def drawSkeleton(image: NDArray[Any], camera: CameraModel, model: ToolModel, joi
     color: BGR
     """
     ...
+
+def orientationColor(bin: int) -> _Sequence[float]:
+    """The colour of a quantised orientation, BGR.
+
+    bin: 0..7
+    """
+    ...
+
+def partColor(part: int) -> _Sequence[float]:
+    """A colour for a part, BGR: the same in every picture, far from that of the next part.
+
+    part: index of the keypoint
+    """
+    ...
+
+def drawOrientations(image: NDArray[Any], orientations: NDArray[Any]) -> NDArray[Any]:
+    """Paints quantised orientations in their colours (paper, Fig. 2b); pixels without one are left as they are.
+
+    image: CV_8UC3, is drawn on
+    orientations: CV_8UC1 bit sets of the image's size, see quantizeOrientations(); several bits are painted in the mean of their colours
+    """
+    ...
+
+def drawOrientationLegend(image: NDArray[Any], centre: Tuple[int, int], radius: int) -> NDArray[Any]:
+    """Draws a pie whose sectors have the colours of the gradients that point there (paper, Fig. 1c).
+
+    image: CV_8UC3, is drawn on
+    centre: of the pie [pixel]
+    radius: [pixel]
+    """
+    ...
+
+def drawTemplate(image: NDArray[Any], partTemplate: PartTemplate, anchor: Tuple[int, int], pixelSize: int = ...) -> NDArray[Any]:
+    """Paints the features of a template in the colours of their orientations (paper, Fig. 2a).
+
+    image: CV_8UC3, is drawn on; features beyond its border are left out
+    partTemplate: the template
+    anchor: where its keypoint is put [pixel]
+    pixelSize: side of the squares that features are painted as [pixel]: the template is drawn this much larger
+    """
+    ...
+
+def drawSimilarity(similarity: NDArray[Any], partTemplate: PartTemplate, picture: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
+    """Paints a similarity map (paper, Fig. 2c): dark is 0, yellow is 1.
+
+    similarity: CV_16UC1, see QGOMatcher.similarityMap()
+    partTemplate: the template it is of
+    picture: CV_8UC3 of the map's size
+    """
+    ...
+
+def drawMatches(image: NDArray[Any], matches: _Sequence[PartMatch], filled: bool = ...) -> NDArray[Any]:
+    """Draws matches as circles in their parts' colours, larger ones for more similarity, and lines to where they were expected.
+
+    image: CV_8UC3, is drawn on
+    matches: what QGOMatcher.match() or GeometricContextVerifier.verify() gave
+    filled: whether the circles are
+    """
+    ...
+
+def drawGeometricContext(image: NDArray[Any], matches: _Sequence[PartMatch], inliers: _Sequence[PartMatch], sample: _Sequence[PartMatch], predicted: bool, params: GeometricContextVerifier.Params = ...) -> NDArray[Any]:
+    """Draws one of the two polar grids of the geometric context (paper, Fig. 2d-f): rays and rings of the zones about the first
+    match of the sample, the inliers' zones, which are those of the drawing in both grids, and the matches: inliers filled, others not.
+
+    image: CV_8UC3, is drawn on
+    matches: what was verified
+    inliers: what GeometricContextVerifier.verify() gave
+    sample: GeometricContextVerifier.sample(); without one, only the matches are drawn
+    predicted: true: the grid of the drawing, at PartMatch.predictedPoint; false: that of the image, at PartMatch.imagePoint
+    params: of the verifier
+    """
+    ...
+
+def drawContour(image: NDArray[Any], points: _Sequence[ContourPoint], worst: float = ..., gain: float = ...) -> NDArray[Any]:
+    """Draws what matchContour() found: the expected points, and lines along the normals to their edges, from green where the edge is
+    in its place to red where it is worst pixels off. Points without an edge are grey.
+
+    image: CV_8UC3, is drawn on
+    points: after matchContour()
+    worst: offset that is red [pixel]
+    gain: the lines are drawn this much longer
+    """
+    ...
+
+class SceneView:
+    """A view of camera, image and tools from outside, by VTK / OpenGL.
+
+    It shows the camera's axes (x red, y green, z blue) and its field of view up to a plane behind the tools, with the image on it, undistorted
+    by being drawn where its pixels look; the tools; and paths, such as those of their tips. Everything is in the camera frame.
+    """
+    @staticmethod
+    def create(camera: CameraModel, size: Tuple[int, int] = ..., window: bool = ...) -> SceneView:
+        """camera: whose frame and image it is
+        size: of the pictures [pixel]
+        window: false: off screen, through an X server if DISPLAY names one, else X-free through EGL; true: in a window for show()
+        Raises cv2.error (StsNotImplemented) if there is neither; with a window, if there is no display
+        """
+        ...
+    def setViewpoint(self, viewer: Tuple[float, float, float], centre: Tuple[float, float, float]) -> None:
+        """Where the scene is seen from; by default from behind, above and right of the camera, so that the tools of the first draw() are
+        in the middle.
+
+        viewer: where the viewer is, in the camera frame [m]
+        centre: what is in the middle of the picture [m]; another place
+        """
+        ...
+    def draw(self, image: NDArray[Any], tools: _Sequence[DrawnTool], paths: _Sequence[NDArray[Any]], picture: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
+        """Draws the scene anew.
+
+        image: of the camera, CV_8UC1 or CV_8UC3 of its size; empty: the frame of its field of view alone
+        tools: their poses and looks; one with an opacity below 1 is seen through
+        paths: N x 3 points each, floating [m], in the colours of the tools of the same index
+        picture: CV_8UC3 of the view's size
+        """
+        ...
+    def show(self, seconds: float = ...) -> None:
+        """Lets the user look at the last drawing: the left button turns, the wheel comes nearer, `q` or closing the window ends it.
+
+        seconds: ends it too; 0 = never
+        Raises cv2.error if there is no window
+        """
+        ...
 
 class SequenceTool:
     """One tool of a sequence."""
@@ -915,10 +1392,12 @@ class Sequence:
     The format is described in doc/formats.md. Frame k is at time k / fps. Keys and columns that are not known are ignored.
     """
     @staticmethod
-    def load(folder: str) -> Sequence:
+    def load(folder: str, recorded: bool = ...) -> Sequence:
         """Reads a sequence; videos are not opened.
 
         folder: the folder, or its sequence.yaml
+        recorded: false: only cameras and tools are read, for live use; there need be no videos and CSV files, and asking for
+        joints or truth is an error
         Raises cv2.error naming file, key or line and what was expected
         """
         ...
@@ -935,7 +1414,7 @@ class Sequence:
         """The right camera; of size 0 x 0 if there is one camera."""
         ...
     def leftVideo(self) -> str:
-        """Path of the left video; may lie outside the folder."""
+        """Path of the left video; may lie outside the folder. Empty if not recorded and not named."""
         ...
     def rightVideo(self) -> str:
         """Path of the right video; empty if there is one camera."""
@@ -1153,6 +1632,187 @@ def estimateTimeOffset(sequence: Sequence, params: TimeOffsetParams = ...) -> Tu
     """
     ...
 
+def handEyeMethodName(method: int) -> str:
+    """`tsai`, `park`, ..., `refined`; `best` for HAND_EYE_BEST."""
+    ...
+
+class HandEyeParams:
+    """Options of estimateHandEye()."""
+    def __init__(self) -> None: ...
+    setup: int
+    """see HandEyeSetup; default HAND_EYE_BOARD_ON_TOOL, the paper's"""
+    method: int
+    """see HandEyeMethod; default HAND_EYE_BEST"""
+    rejection: float
+    """a pose is thrown out if its error is so many standard deviations; default 3, 0 = keep all"""
+    seed: int
+    """of all random choices"""
+
+class HandEyeFit:
+    """What one method found. Errors are root mean squares over the poses that were not thrown out."""
+    def __init__(self) -> None: ...
+    @property
+    def method(self) -> int:
+        """see HandEyeMethod"""
+        ...
+    @property
+    def valid(self) -> bool:
+        """false: it has no finite answer, or none if a pose is left out; all else is then 0"""
+        ...
+    @property
+    def camera_T_mount(self) -> NDArray[np.float64]:
+        """the calibration. HAND_EYE_BOARD_ON_TOOL: camera_T_base"""
+        ...
+    @property
+    def holder_T_board(self) -> NDArray[np.float64]:
+        """where the board is"""
+        ...
+    @property
+    def translation(self) -> float:
+        """error of the middle of the board [m]"""
+        ...
+    @property
+    def rotation(self) -> float:
+        """error of the board's orientation [rad]"""
+        ...
+    @property
+    def pixels(self) -> float:
+        """error of the board's points in the image [pixel]; 0 without a camera"""
+        ...
+    @property
+    def leftOutTranslation(self) -> float:
+        """the same, of each pose by the calibration from all the others [m]"""
+        ...
+    @property
+    def leftOutRotation(self) -> float:
+        """[rad]"""
+        ...
+    @property
+    def leftOutPixels(self) -> float:
+        """[pixel]"""
+        ...
+    @property
+    def spreadTranslation(self) -> float:
+        """standard deviation of the calibration where the board was, from those without a pose each (jackknife) [m]"""
+        ...
+    @property
+    def spreadRotation(self) -> float:
+        """standard deviation of its rotation, likewise [rad]"""
+        ...
+
+class HandEyeResult:
+    """The answer of estimateHandEye()."""
+    def __init__(self) -> None: ...
+    @property
+    def best(self) -> HandEyeFit:
+        """the calibration to use"""
+        ...
+    @property
+    def fits(self) -> Tuple[HandEyeFit, ...]:
+        """all methods, in the order of HandEyeMethod"""
+        ...
+    @property
+    def rejected(self) -> NDArray[Any]:
+        """indices of the poses that were thrown out, rising"""
+        ...
+    @property
+    def residuals(self) -> NDArray[Any]:
+        """N x 3 CV_64F, of `best`, of all poses: [m], [rad], [pixel]"""
+        ...
+    @property
+    def largestRotation(self) -> float:
+        """between any two poses that were kept [rad]"""
+        ...
+    @property
+    def crossRotation(self) -> float:
+        """the same, about axes perpendicular to the one they turn about most [rad]"""
+        ...
+    @property
+    def warnings(self) -> Tuple[str, ...]:
+        """too little motion, an uncertain result: one line each"""
+        ...
+    @property
+    def reason(self) -> str:
+        """why the calibration can't be told, one line; empty if it can"""
+        ...
+
+def estimateHandEye(robotPoses: NDArray[Any], boardPoses: NDArray[Any], params: HandEyeParams = ..., camera: CameraModel = ..., boardPoints: NDArray[Any] = ...) -> Tuple[bool, HandEyeResult]:
+    """Hand-eye calibration: the camera against the robot, from poses of robot and board.
+
+    Every method is run. Poses that do not fit the others are thrown out first: from the least median of squares over random quadruples,
+    then repeatedly those whose error, as predicted from the others, is more than HandEyeParams.rejection standard deviations (root mean
+    square of three translations and three rotations). With less than six poses none is. The standard deviations, along the line of
+    sight and across, are taken from the medians of these errors. Each pose is then left out once, of more than 30 poses every
+    thirtieth, and predicted from the others: the method with the smallest of these errors, in standard deviations, is the best.
+    The methods look at all pairs of poses: 20 poses take half a second, 100 half a minute.
+
+    robotPoses: N poses, N x 4 x 4 (or N x 16), floating, rigid [m], N from 4 to 200: HAND_EYE_BOARD_ON_TOOL base_T_tool, HAND_EYE_CAMERA_ON_ARM
+    base_T_arm of the arm that holds the camera
+    boardPoses: as many poses camera_T_board, as findBoard() gives them
+    result: after false `best` must not be relied on, and `reason` says why
+    params: options
+    camera: to report errors in pixels too; an empty one = not
+    boardPoints: N x 3 points of the board, in its frame [m], see getBoardPoints(). Without them the corners of a square of 15 mm,
+    with the frame's origin in the middle
+    Returns: whether the calibration can be told. It can't be from poses that all turn about the same axis
+    Raises cv2.error naming the argument, and the pose, if it is not valid
+    """
+    ...
+
+class CalibrationBoard:
+    """A flat calibration board. Both kinds look different upside down, so that poses from several images belong together."""
+    def __init__(self) -> None: ...
+    pattern: int
+    """default ASYMMETRIC_CIRCLES, the paper's"""
+    size: Tuple[int, int]
+    """inner corners of a chessboard, one of the numbers odd and one even; circles a row and rows, an odd number of rows; default 4 x 11, the paper's"""
+    spacing: float
+    """side of a square; distance of two rows of circles, half of that of two circles in a row [m]; default 0.0015, the paper's"""
+
+def getBoardPoints(board: CalibrationBoard, points: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
+    """Points of a board, in the order of cv2.findChessboardCorners() and cv2.findCirclesGrid().
+
+    board: the board
+    points: N x 3 CV_64F, z = 0 [m]
+    Raises cv2.error if the board is not one of those CalibrationBoard describes
+    """
+    ...
+
+def findBoard(image: NDArray[Any], camera: CameraModel, board: CalibrationBoard, imagePoints: Optional[NDArray[Any]] = ...) -> Tuple[bool, NDArray[np.float64], NDArray[Any], float]:
+    """Finds a board in an image and its pose, with the camera's distortion.
+
+    image: as the camera delivers it, CV_8UC1 or CV_8UC3, of the camera's image size
+    camera: the camera
+    board: the board
+    camera_T_board: its pose [m]
+    imagePoints: N x 2 CV_64F, where its points were found [pixel]
+    error: root mean square distance of the points found from those of the pose [pixel]
+    Returns: false if the board was not found; the outputs are then unchanged
+    """
+    ...
+
+def readPoses(filename: str, poses: Optional[NDArray[Any]] = ...) -> Tuple[bool, NDArray[np.float64], NDArray[Any]]:
+    """Reads rigid poses from a CSV file with the columns `index` or `time`, and tx, ty, tz [m], qx, qy, qz, qw.
+
+    filename: the file
+    keys: values of the first of these columns, rising [s if it is `time`]
+    poses: N x 16 CV_64F: 4 x 4 matrices, row by row
+    Returns: whether the column is `time`
+    Raises cv2.error naming file and line
+    """
+    ...
+
+def writeHandEye(sequence: str, tool: str, camera_T_base: NDArray[np.float64]) -> None:
+    """Sets a tool's `camera_T_base` in a sequence.yaml. The rest of the file stays as it is, to the byte; the new file takes the
+    place of the old one at once.
+
+    sequence: the folder, or its sequence.yaml
+    tool: name
+    camera_T_base: rigid [m]
+    Raises cv2.error naming file and key: not a description as in doc/formats.md, no such tool, can't be written
+    """
+    ...
+
 class SyntheticScene:
     """A synthetic scene with exact truth: tools moving over textured tissue, seen by an endoscope.
 
@@ -1236,6 +1896,17 @@ class SyntheticScene:
         right: the right eye of a stereo scene
         """
         ...
+    def renderArms(self, frame: int, joints: _Sequence[Union[_Sequence[float], NDArray[np.float64]]], camera_T_base: Union[_Sequence[NDArray[np.float64]], NDArray[np.float64]], image: Optional[NDArray[Any]] = ..., right: bool = ...) -> NDArray[Any]:
+        """Draws a frame with arms that stand or move otherwise: as after a knock against the camera, or with one more arm.
+
+        frame: number, 0 <= frame; decides the sensor noise
+        joints: per arm the true joints, one value per coordinate [rad or m]; any number of arms
+        camera_T_base: per arm its base (left camera)
+        image: CV_8UC3, BGR
+        right: the right eye of a stereo scene
+        Raises cv2.error for vectors of different lengths, and for more links than a MeshRenderer can tell apart
+        """
+        ...
     def write(self, folder: str) -> None:
         """Writes the scene as a sequence folder: sequence.yaml, video, kinematics.csv (100 Hz), groundtruth.csv,
         keypoints.csv, and the tool file with its meshes.
@@ -1243,4 +1914,294 @@ class SyntheticScene:
         folder: is made if it does not exist
         Raises cv2.error naming the file that can't be written
         """
+        ...
+
+class ToolParts:
+    """What the kinematics of a robot do not say of a tool: its shape, and the points to look for."""
+    def __init__(self) -> None: ...
+    like: str
+    """A tool file to take meshes, keypoints, jaws and the place of the end effector from, for a tool of the same build; empty: none.
+    Of a dVRK tool it also gives the names of links and coordinates, joint for joint; links of an URDF are found by their names.
+    """
+    meshes: Tuple[str, ...]
+    """`LINK:FILE` each: mesh files (PLY, STL or OBJ) of links; they replace those of the file imported, or of `like`."""
+    meshScale: float
+    """of the files in `meshes`: metres per unit; 1 = metres, 0.001 = millimetres"""
+    meshesInToolAxes: bool
+    """The axes of `meshes` are those of the reported tool frame (the rotation of `tooltip_offset`), as in jhu-dvrk/dvrk_model, and not
+    those of the Denavit-Hartenberg frame of their link. Their origin is the link's in both cases. dVRK tools only.
+    """
+    keypoints: str
+    """A CSV file `name,link,x,y,z`: keypoints as they are picked in the link's mesh file, in its axes and unit; they replace those of
+    `like`. Empty: none.
+    """
+    packages: str
+    """URDF: the folder in which `package://NAME/...` is looked for, as NAME/... or as ..."""
+    base: str
+    """URDF: the link to take for the arm's base, the remote centre of motion; empty: the root"""
+    endEffector: str
+    """URDF: the link to report the pose of; empty: as in `like`, or the only link nothing hangs on"""
+
+def importDvrkTool(files: _Sequence[str], parts: ToolParts = ...) -> ToolModel:
+    """A tool from the kinematics of the da Vinci Research Kit, arm and instrument.
+
+    Reads files as sawIntuitiveResearchKit has them, comments included: `DH.joints` (or, in old files, `DH.links`), modified convention;
+    `tooltip_offset` (old: `tooltip-offset`); `jaw`. `theta + offset + q` turns, `D + offset + q` slides. As the dVRK does, angles that
+    are a multiple of pi / 12 rounded to four digits (1.5708) are made exact. Coordinates are `q1`, `q2`, ..., and `jaw` if a file has
+    one: two jaws that open by half of it each, `jaw_right` and `jaw_left`.
+
+    The end effector has the rotation of `tooltip_offset`. Its origin is that of `tooltip_offset`; where that is at 0, as the dVRK ships it,
+    and ToolParts.like is given, it is where that tool has it.
+
+    files: the kinematic files in the order of the joints: the arm's (PSM.json), the instrument's (LARGE_NEEDLE_DRIVER_400006.json);
+    or one old file with all
+    parts: meshes and keypoints; without any the tool has kinematics only
+    Raises cv2.error (StsNotImplemented) if the module was built without nlohmann_json
+    """
+    ...
+
+def importUrdfTool(filename: str, parts: ToolParts = ...) -> ToolModel:
+    """A tool from an expanded URDF (no xacro).
+
+    Joints that turn or slide become coordinates of the same name; joints that mimic share the coordinate of the joint they follow. A
+    joint in a general place takes up to four links of modified Denavit-Hartenberg transforms; the last has the name of the URDF's link.
+    The visuals of a link that are meshes are read, with their scale and origin; those of the base are not, it does not move with the tool.
+    Rotations by quarter turns about the axes whose angles were rounded (1.5708, 1.570796327) are made exact.
+
+    filename: the URDF
+    parts: ToolParts.packages for `package://` names; keypoints and end effector
+    Raises cv2.error (StsNotImplemented) if the module was built without urdfdom
+    """
+    ...
+
+class CameraPair:
+    """Cameras of an endoscope with one or two eyes."""
+    def __init__(self) -> None: ...
+    left: CameraModel
+    right: CameraModel
+    """image size 0 x 0 if there is one eye only"""
+    right_T_left: NDArray[np.float64]
+    """maps the left camera's frame to the right's [m]"""
+
+def importCameraInfo(files: _Sequence[str]) -> CameraPair:
+    """Cameras from ROS calibration files (`camera_info` YAML, as camera_calibration writes them).
+
+    files: the left camera's, or left and right of a stereo pair (its baseline is in the `projection_matrix`, in metres)
+    Raises cv2.error for distortion models other than plumb_bob and rational_polynomial
+    """
+    ...
+
+def importOpenCVCameras(files: _Sequence[str], unit: float = ..., imageSize: Tuple[int, int] = ...) -> CameraPair:
+    """Cameras from files of cv2.FileStorage.
+
+    Keys are those of OpenCV's samples and common elsewhere: `M1, D1, M2, D2, R, T` (intrinsics.yml and extrinsics.yml),
+    `cameraMatrix1, distCoeffs1, ...`, `camera_matrix, distortion_coefficients`.
+
+    files: one or several, taken together
+    unit: metres per unit of T (0.001 for a board measured in millimetres); needed with two eyes, as files do not say it
+    imageSize: [pixel]; empty: the file has to have it (`image_width`, `image_height` or `imageSize`)
+    """
+    ...
+
+def importSurgPoseCameras(filename: str) -> CameraPair:
+    """Cameras from SurgPose's StereoCalibrationDVRK.ini: `kc_0, kc_1, kc_4` radial, `kc_2, kc_3` tangential; T in millimetres."""
+    ...
+
+def importJoints(files: _Sequence[str], coordinates: _Sequence[str], joints: Optional[NDArray[Any]] = ..., columns: _Sequence[str] = ...) -> Tuple[NDArray[np.float64], NDArray[Any]]:
+    """Joint readings from CSV files of dVRK or ROS recordings.
+
+    The time is the column `time`, `timestamp`, `stamp` or one ending in `header.stamp`, `__time`, `%time`, or the pair `...secs` and
+    `...nsecs` (`...sec`, `...nanosec`); seconds or nanoseconds, told by the rate, which must lie between 2 Hz and 5 kHz. Joints are the columns of
+    the coordinate's name, of the dVRK's (`yaw` or `outer_yaw` for q1, ... `jaw`), perhaps followed by `position`; or, in a file with
+    none of these, `...position0`, `...position[1]`, ..., in the order of the coordinates, going on from file to file.
+
+    files: the arm's, and if the jaw was recorded apart, the jaw's: interpolated to the times of the first
+    coordinates: names, as ToolModel.coordinateNames()
+    times: of the readings, on the recording's own clock [s]
+    joints: N x C CV_64F, a row a time [rad or m]
+    columns: the column of each coordinate, if the names are others; empty: as above
+    """
+    ...
+
+def importDaVinciJoints(filename: str, model: ToolModel, joints: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
+    """Joint values from the poses recorded by the authors of [ye2016realtime] (`sim-PSM1-....xml` of daVinciToolTrack, millimetres).
+
+    The poses of the links of the coordinates q4, q5 and q6 are known; joints are found by Gauss-Newton steps, turns without jumps. The jaw
+    is clamped at closed.
+
+    filename: the XML
+    model: the tool: six joints to the end effector, and a coordinate for the jaw
+    joints: N x 7 CV_64F, a row a frame, in the order of the model's coordinates [rad or m]
+    Raises cv2.error too if a pose is more than 1 mm or 0.02 rad from any the model can take (the three poses of a frame were read one
+    after the other: in fast motion they disagree by up to 0.17 mm and 5e-3 rad)
+    """
+    ...
+
+def importDaVinciHandEye(filename: str, key: str) -> NDArray[np.float64]:
+    """Hand-eye calibration of the same authors (`out_handeye_data.xml`, millimetres).
+
+    filename: the XML
+    key: `bHc_psm1` or `bHc_psm2`
+    Returns: nominal_T_base, the base in the camera's frame [m]
+    """
+    ...
+
+def importEndoVisKeypoints(labels: str, csv: str, keypoints: _Sequence[str] = ..., tools: _Sequence[str] = ...) -> int:
+    """Writes keypoints.csv from the labels of the EndoVis 2015 challenge (JSON: a list of images).
+
+    labels: the JSON; entry k is frame k
+    csv: the file to write
+    keypoints: `CLASS:NAME` each: label classes to write and the names of the tool's keypoints they are; empty: all, by their class
+    tools: `ID:NAME` each, the same for tools
+    Returns: number of points
+    Raises cv2.error (StsNotImplemented) if the module was built without nlohmann_json
+    """
+    ...
+
+def importSurgPoseKeypoints(labels: str, csv: str, keypoints: _Sequence[str] = ..., tools: _Sequence[str] = ...) -> int:
+    """Writes keypoints.csv from the labels of SurgPose (keypoints_left.yaml). Keypoints 1 to 7 are those of PSM1, 8 to 14 of PSM3.
+
+    labels: the YAML
+    csv: the file to write
+    keypoints: `NUMBER:NAME` each, the number as in the file; empty: all, by their number
+    tools: `PSM1:NAME` and `PSM3:NAME`; empty: both, by these names
+    Returns: number of points
+    """
+    ...
+
+def writeSequenceCameras(folder: str, cameras: CameraPair, leftVideo: str = ..., rightVideo: str = ..., fps: float = ...) -> None:
+    """Puts cameras into a folder's sequence.yaml, which is made if it does not exist; all else in it is kept, but for comments.
+
+    folder: of the sequence; is made if it does not exist
+    cameras: one eye or two
+    leftVideo: path for the key `left.video`; empty: that stays as it is, or `left.mp4`
+    rightVideo: the same of the right eye
+    fps: frames per second; 0: stays as it is, or is missing
+    """
+    ...
+
+def writeSequenceTool(folder: str, name: str, model: str, nominal_T_base: NDArray[np.float64]) -> None:
+    """Puts a tool into a folder's sequence.yaml, in the place of the one of this name, or at the end.
+
+    folder: of the sequence; is made if it does not exist
+    name: as in the CSV files
+    model: path of the tool file, for the key `model`; empty: stays as it is
+    nominal_T_base: the hand-eye calibration, key `camera_T_base`
+    """
+    ...
+
+def writeSequenceJoints(folder: str, name: str, coordinates: _Sequence[str], times: Union[_Sequence[float], NDArray[np.float64]], joints: NDArray[Any]) -> None:
+    """Puts a tool's joint readings into a folder's kinematics.csv, in the place of those of this name.
+
+    folder: of the sequence; is made if it does not exist
+    name: of the tool
+    coordinates: names of the columns; other tools in the file must have the same
+    times: rising, on the clock on which frame k is at k / fps [s]
+    joints: N x C CV_64F, a row a time [rad or m]
+    """
+    ...
+
+class JointReading:
+    """What a robot says of one tool's joints at one moment: of all of them, or of some."""
+    def __init__(self) -> None: ...
+    tool: str
+    """empty if the sender does not say"""
+    time: float
+    """on the robot's clock [s]"""
+    names: Tuple[str, ...]
+    """of the positions; empty if the sender does not say"""
+    positions: NDArray[np.float64]
+    """[rad or m]"""
+
+def parseJointMessage(message: str) -> Tuple[JointReading, ...]:
+    """Reads a message of a robot. Two kinds are understood:
+
+        {"tool": "PSM1", "time": 12.34, "position": [0.1, -0.2, 0.12, 0.3, 0.2, -0.1, 0.5]}
+        {"measured_js": {"Name": ["yaw", "pitch", ...], "Position": [0.1, -0.2, ...], "Timestamp": 12.34, "Valid": true, ...}}
+
+    The first is plain: `tool` may be missing, names come as `"name": ["q1", ...]` or as `"position": {"q1": 0.1, ...}`. The second is
+    that of the dVRK's sawSocketStreamer, which has one such key in a message, or several. A key is `measured_js`, before it the tool's
+    name or nothing, and `jaw` for the jaw: `PSM1/measured_js`, `jaw/measured_js`, `PSM1/jaw/measured_js`. What a jaw's joint is called
+    there does not matter, here it is `jaw`. Readings the robot says are not valid are left out, and so are other keys.
+
+    message: JSON
+    readings: those it has; none in a message about other things
+    Raises cv2.error naming the key and what was expected, of text that is not JSON, and of a reading that lacks a key or has
+    another type, number of values, or a value that is not finite; readings is then empty. Also if the module was built without
+    nlohmann_json
+    """
+    ...
+
+def formatPoseMessage(frame: int, time: float, tool: str, estimate: ToolEstimate) -> str:
+    """Writes an estimate as a line of JSON, for sending.
+
+    frame: number
+    time: of the image [s]
+    tool: name
+    estimate: its numbers must be finite
+    Returns: `frame`, `time`, `tool`, `status` (see stateName()), `position` [m] and `orientation` (unit quaternion x, y, z, w) of
+    camera_T_tool, `covariance` (6 rows of 6 numbers, as ToolEstimate.covariance), `joint_offsets`, `similarity`, `contour`,
+    `inliers`, `nis`; all numbers but the time with nine digits
+    Raises cv2.error if a number is not finite, or the module was built without nlohmann_json
+    """
+    ...
+
+class JointBuffer:
+    """The joint readings of a tool's last seconds, to be had at the time of an image. For readings that come one by one, in
+    any order and from several senders, as over a network: late ones are put where they belong, those there is one of already are
+    ignored. Each coordinate has a history of its own, since arm and jaws are read at different moments. Not for several threads at
+    once.
+    """
+    @staticmethod
+    def create(coordinates: _Sequence[str], history: float = ..., maxGap: float = ...) -> JointBuffer:
+        """coordinates: as ToolModel.coordinateNames()
+        history: how long a reading is kept [s]; 4096 readings of a coordinate at most
+        maxGap: readings further apart are not interpolated between [s]. A tool at 50 mm/s that turns back within 0.1 s is
+        1.3 mm off a straight line
+        """
+        ...
+    def add(self, reading: JointReading) -> bool:
+        """Takes in a reading.
+
+        Positions go to the coordinates of their names; a name that is none is passed over. Without names, or if none of them is a
+        coordinate, positions are in the order of the coordinates: all of them, or all but the last one, the jaw.
+
+        A reading older than the history, counted from the newest one, is not kept. If that happens 50 times in succession the robot's
+        clock was set back, or the newest reading was wrong: the history then starts anew.
+
+        Returns: whether anything of it was new
+        Raises cv2.error for another number of positions, and values that are not finite; nothing is then kept
+        """
+        ...
+    def at(self, time: float) -> Tuple[int, NDArray[np.float64]]:
+        """The joints at a time, linearly interpolated.
+
+        time: on the robot's clock [s]
+        joints: one value per coordinate [rad or m]; unchanged if there are none
+        Returns: see JointsState; of several coordinates that of the first one that is not found
+        """
+        ...
+    def newest(self) -> float:
+        """The last moment of which all coordinates are known [s]; -DBL_MAX if there is none."""
+        ...
+    def clear(self) -> None:
+        """Forgets all readings."""
+        ...
+
+class ClockOffset:
+    """How far another clock is behind this one, from messages stamped by that one. A message takes some time to arrive, never
+    less than none, so the one that arrived soonest after its stamp tells best; of those of the last seconds, since clocks drift.
+    """
+    @staticmethod
+    def create(window: float = ...) -> ClockOffset:
+        """window: length of the time that is looked back on [s]"""
+        ...
+    def add(self, stamp: float, arrival: float) -> None:
+        """stamp: of the message, on the sender's clock [s]
+        arrival: on this clock [s], not before that of the last call
+        Raises cv2.error for values that are not finite
+        """
+        ...
+    def offset(self) -> float:
+        """What to add to a time of the sender's clock to have it on this one [s]: the least arrival - stamp. 0 without a message."""
         ...
