@@ -25,7 +25,10 @@ CV_EXPORTS_W void quantizeOrientations(InputArray image, OutputArray orientation
 
 /** @brief The same for a window of a larger image: pixels beyond the window but inside the image are used, so that the result
 is quantizeOrientations() of the whole image, cut out.
-@param orientations CV_8UC1 of the window's size */
+@param image CV_8UC1 or CV_8UC3, any size
+@param window part of the image [pixel]
+@param orientations CV_8UC1 of the window's size
+@param magnitudeThreshold least Sobel magnitude of the blurred image [grey levels x 4] that counts as an edge */
 CV_EXPORTS void quantizeOrientations(InputArray image, const Rect& window, OutputArray orientations, double magnitudeThreshold = 50);
 
 /** @brief Spreads orientations: each pixel gets the bits of all pixels of the size x size square around it
