@@ -34,6 +34,15 @@ sys.exit("\n".join(bad) or 0)
 PYTHON
 }
 
+# doc_compiles PAGE: its C++ blocks, as one file.
+doc_compiles() {
+  local include=() module
+  for module in core imgproc calib3d features2d flann imgcodecs videoio; do include+=("-I$OPENCV_SOURCE/modules/$module/include"); done
+  # shellcheck disable=SC2016
+  sed -n '/^```cpp$/,/^```$/p' "$1" | sed '/^```/d' | limited c++ -x c++ -std=c++11 -fsyntax-only -I"$BUILD_DIR" -I"$OPENCV_SOURCE/include" \
+    -I"$REPO/include" "${include[@]}" -
+}
+
 # needs_what_is_missing PAGE
 needs_what_is_missing() {
   if grep -q 'plot_\|matplotlib' "$1" && ! "$PYTHON" -c 'import matplotlib' 2>/dev/null; then echo matplotlib; return 0; fi
@@ -67,6 +76,9 @@ run_docs() {
       sample "its picture $name" test -s "$work/python/$name" -a -s "$REPO/doc/pics/$name"
     done < <(sed -nE 's/^!\[.*\]\(pics\/(.*)\)$/\1/p' "$REPO/doc/python.md")
   fi
+  for page in "$REPO/README.md" "$REPO"/doc/*.md; do
+    if grep -q '^```cpp$' "$page"; then sample "C++ of ${page#"$REPO"/}" doc_compiles "$page"; fi
+  done
   sample "poses of doc/live.md" poses_complete "$work/live/poses.csv" 100
   # shellcheck disable=SC2016
   printf '# A page\n\n```python\na = 1\n```\ntext\n```python\nb = a.c\n```\n' >"$work/page.md"
