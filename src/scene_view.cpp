@@ -72,7 +72,7 @@ public:
     SceneViewImpl(const CameraModel& camera, Size size, const Drawable& drawable, bool window);
     ~SceneViewImpl() CV_OVERRIDE;
 
-    void setViewpoint(const Point3d& from, const Point3d& at) CV_OVERRIDE;
+    void setViewpoint(const Point3d& viewer, const Point3d& centre) CV_OVERRIDE;
     void draw(InputArray image, const std::vector<DrawnTool>& tools, const std::vector<Mat>& paths, OutputArray picture) CV_OVERRIDE;
     void show(double seconds) CV_OVERRIDE;
 
@@ -122,13 +122,13 @@ SceneViewImpl::~SceneViewImpl()
     window_ = 0;
 }
 
-void SceneViewImpl::setViewpoint(const Point3d& from, const Point3d& at)
+void SceneViewImpl::setViewpoint(const Point3d& viewer, const Point3d& centre)
 {
-    const Point3d d = at - from;
-    if (!(norm(d) > 1e-6 && norm(d) < 1e6)) CV_Error(Error::StsBadArg, "from and at must be finite and different");
+    const Point3d d = centre - viewer;
+    if (!(norm(d) > 1e-6 && norm(d) < 1e6)) CV_Error(Error::StsBadArg, "viewer and centre must be finite and different");
     vtkCamera* view = renderer_->GetActiveCamera();
-    view->SetPosition(from.x, from.y, from.z);
-    view->SetFocalPoint(at.x, at.y, at.z);
+    view->SetPosition(viewer.x, viewer.y, viewer.z);
+    view->SetFocalPoint(centre.x, centre.y, centre.z);
     const bool vertical = std::abs(d.y) > 0.999 * norm(d);
     view->SetViewUp(0, vertical ? 0 : -1, vertical ? 1 : 0);
     placed_ = true;

@@ -28,9 +28,9 @@ public:
 
     /** @brief Where the scene is seen from; by default from behind, above and right of the camera, so that the tools of the first draw() are
     in the middle.
-    @param from the viewer's place in the camera frame [m]
-    @param at what is in the middle of the picture [m] */
-    CV_WRAP virtual void setViewpoint(const Point3d& from, const Point3d& at) = 0;
+    @param viewer where the viewer is, in the camera frame [m]
+    @param centre what is in the middle of the picture [m]; another place */
+    CV_WRAP virtual void setViewpoint(const Point3d& viewer, const Point3d& centre) = 0;
 
     /** @brief Draws the scene anew.
     @param image of the camera, CV_8UC1 or CV_8UC3 of its size; empty: the frame of its field of view alone
