@@ -28,7 +28,7 @@ is quantizeOrientations() of the whole image, cut out.
 @param image CV_8UC1 or CV_8UC3, any size; pixels beyond its border repeat it
 @param window part of the image; must lie inside it
 @param orientations CV_8UC1 of the window's size
-@param magnitudeThreshold see quantizeOrientations() */
+@param magnitudeThreshold least Sobel magnitude of the blurred image [grey levels x 4] that counts as an edge */
 CV_EXPORTS_AS(quantizeOrientationsInWindow) void quantizeOrientations(InputArray image, const Rect& window, OutputArray orientations, double magnitudeThreshold = 50);
 
 /** @brief Spreads orientations: each pixel gets the bits of all pixels of the size x size square around it

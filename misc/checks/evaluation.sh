@@ -1,0 +1,108 @@
+# shellcheck shell=bash
+# evaluate, plot_evaluation.py. Sourced by misc/test.sh.
+
+# evaluation_sound DIR FRAMES: the files of `evaluate` agree with each other and with what must be so.
+evaluation_sound() {
+  "$PYTHON" - "$1" "$2" <<'PYTHON'
+import csv, math, os, sys
+folder, frames = sys.argv[1], int(sys.argv[2])
+def read(name):
+    return list(csv.DictReader(open(os.path.join(folder, name), newline="")))
+def close(a, b, relative):
+    return abs(a - b) <= relative * max(abs(a), abs(b), 1e-9)
+table = read("table.csv")
+assert {r["method"] for r in table} == {"full", "full-stereo", "paper", "epnp", "recorded", "frozen"}, table
+sequences = {r["sequence"] for r in table} - {"all"}
+assert len(sequences) == 2, sequences
+for row in table:
+    if row["sequence"] == "all" or row["tool"] != "all":
+        continue
+    rows = read("frames_%s_%s.csv" % (row["sequence"], row["method"]))
+    assert len(rows) == int(row["frames"]) == frames * len({r["tool"] for r in rows}), row
+    errors = [float(r["translation_error"]) for r in rows if r["state"] in ("tracking", "coasting", "control")]
+    assert close(len(errors) / len(rows), float(row["coverage"]), 1e-5), row   # 1e-5: six digits in the file
+    assert not errors or close(1e3 * sum(errors) / len(errors), float(row["translation_mean_mm"]), 2e-5), row   # the same, of both
+    for r in rows:
+        parts = [float(r["error_" + c]) for c in ("tx", "ty", "tz")]
+        assert close(math.sqrt(sum(p * p for p in parts)), float(r["translation_error"]), 1e-4), r   # differences of rounded numbers
+        if row["method"] == "frozen" and r["frame"] == "0":
+            assert float(r["translation_error"]) < 1e-12 and float(r["rotation_error"]) < 1e-12, r   # exact but for rounding
+        assert row["method"] not in ("recorded", "frozen", "epnp") or r["nees"] == "", r
+for row in table:   # the rows of all sequences are their means, weighted by the frames with a pose
+    if row["sequence"] == "all":
+        parts = [r for r in table if r["sequence"] != "all" and r["tool"] == "all" and r["method"] == row["method"]]
+        weights = [float(r["coverage"]) * int(r["frames"]) for r in parts]
+        if sum(weights) > 0:
+            mean = sum(w * float(r["rotation_mean_rad"] or 0) for w, r in zip(weights, parts)) / sum(weights)
+            assert close(mean, float(row["rotation_mean_rad"]), 2e-5), row   # six digits in the file
+rates = {}
+for r in read("detection.csv"):
+    if r["rate"]:
+        rates[r["sequence"], r["variant"], r["part"], int(r["threshold_px"]), int(r["top_n"])] = float(r["rate"])
+assert any(k[2] == "all" for k in rates)
+for (s, v, p, t, n), rate in rates.items():
+    assert 0 <= rate <= 1
+    assert n == 5 or rates[s, v, p, t, n + 1] >= rate, (s, v, p, t, n)   # more candidates, wider circles: no fewer hits
+    assert t == 20 or rates[s, v, p, 2 * t, n] >= rate, (s, v, p, t, n)
+# Drawn within 14 px of the truth, in clean pictures: fewer would be an error of the bookkeeping.
+assert rates["all", "tracked", "all", 10, 5] > 0.9, rates["all", "tracked", "all", 10, 5]
+bands = {1: (1.23734, 14.4494), 2: (2.20189, 11.6683)}   # chi-square of 6 and of 12 degrees of freedom, 2.5 and 97.5 %, from tables
+checked = 0
+for r in read("consistency.csv"):
+    assert r["method"] != "epnp" or r["mean"] == "", r
+    if r["quantity"] == "nees" and int(r["runs"]) in bands:
+        low, high = bands[int(r["runs"])]
+        assert close(float(r["band_low"]), low, 1e-5) and close(float(r["band_high"]), high, 1e-5), r   # six digits
+        checked += 1
+assert checked > 0
+for r in read("worst.csv"):
+    assert os.path.getsize(os.path.join(folder, r["picture"])) > 1000, r
+PYTHON
+}
+
+# evaluation_same A B: two evaluations, byte for byte, but for what depends on the speed of the machine.
+evaluation_same() { diff -r -x results -x timings.csv "$1" "$2"; }
+
+# pictures_there DIR: all that report.md shows.
+pictures_there() {
+  local name
+  while read -r name; do
+    if [[ ! -s "$1/$name" ]]; then
+      echo "report.md shows $name, which is not there"
+      return 1
+    fi
+  done < <(sed -nE 's/^!\[\]\((.*)\)$/\1/p' "$1/report.md")
+}
+
+run_evaluation() {
+  local work="$1" evaluate="$BUILD_DIR/bin/example_surgtrack_evaluate" make="$BUILD_DIR/bin/example_surgtrack_make_sequence"
+  local plot=("$PYTHON" "$REPO/samples/plot_evaluation.py") frames=8
+  sample "make_sequence, stereo" limited "$make" --out="$work/stereo" --frames="$frames" --stereo --distortion --seed=5
+  sample "make_sequence, two tools" limited "$make" --out="$work/pair" --frames="$frames" --tools=2 --seed=6
+  rm "$work/stereo/keypoints.csv"   # true image points then come from the true joints
+  sample "evaluate" limited "$evaluate" --sequences="$work/stereo,$work/pair" --out="$work/evaluation" --stereo --quiet
+  sample "its files" evaluation_sound "$work/evaluation" "$frames"
+  sample "evaluate, again" limited "$evaluate" --sequences="$work/stereo,$work/pair" --out="$work/evaluation2" --stereo --quiet
+  sample "the same files" evaluation_same "$work/evaluation" "$work/evaluation2"
+  if "$PYTHON" -c 'import matplotlib' 2>/dev/null; then
+    sample "plot_evaluation.py" limited "${plot[@]}" "$work/evaluation"
+    sample "its pictures" pictures_there "$work/evaluation"
+  else
+    echo "skipped: the plots of plot_evaluation.py, which need matplotlib"
+  fi
+  cp -r "$work/pair" "$work/untrue"
+  rm "$work/untrue/groundtruth.csv"
+  sample "refused: no ground truth" refuses "$work/untrue/groundtruth.csv" "$evaluate" --sequences="$work/untrue" --out="$work/untold"
+  sample "refused: one of two sequences" refuses "$work/untrue/groundtruth.csv" "$evaluate" --sequences="$work/untrue,$work/pair" \
+    --methods=paper --frames=2 --out="$work/half" --quiet
+  sample "the other one's table" grep -q '^| all | paper | 4 |' "$work/half/table.md"
+  sample "refused: no such method" refuses "'none'" "$evaluate" --sequences="$work/pair" --out="$work/never" --methods=none
+  sample "refused: stereo without the method for it" refuses stereo "$evaluate" --sequences="$work/pair" --out="$work/never" \
+    --methods=paper --stereo
+  sample "refused: output is a file" refuses "$work/pair/sequence.yaml" "$evaluate" --sequences="$work/pair" --out="$work/pair/sequence.yaml"
+  sample "refused: plots of a folder that is not there" refuses "$work/never" "${plot[@]}" "$work/never"
+  rm "$work/evaluation2/detection.csv"
+  sample "refused: plots without a file" refuses "$work/evaluation2/detection.csv" "${plot[@]}" "$work/evaluation2"
+  sed -i 's/rotation_std_rad/r/' "$work/evaluation2/table.csv"
+  sample "refused: plots without a column" refuses "'rotation_std_rad'" "${plot[@]}" "$work/evaluation2"
+}

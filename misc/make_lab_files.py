@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+# This file is part of OpenCV project.
+# It is subject to the license terms in the LICENSE file found in the top-level directory
+# of this distribution and at http://opencv.org/license.html.
+
+"""Makes the files a lab would have of a synthetic sequence, in the formats of others, for samples/import.cpp.
+
+Into DIR go the dVRK's kinematics (PSM.json, DRIVER.json), keypoints as picked in the meshes of the sequence's tool (points.csv), camera_info.yaml
+of ROS, stereo.yml of OpenCV, js.csv and jaw.csv with nanoseconds of another clock, hand_eye.yaml, a URDF with a mesh (crane.urdf,
+peak.obj), a calibration as SurgPose has it (rig.ini), and labels (labels.json, keypoints_left.yaml).
+"""
+
+import argparse
+import csv
+import os
+
+import cv2
+import numpy as np
+
+PSM = """/* -*- Mode: Javascript -*- */
+{ // the arm
+  "DH": { "convention": "modified", "joints": [
+    { "name": "yaw", "alpha": 1.5708, "A": 0.0, "theta": 0.0, "D": 0.0, "type": "revolute", "offset": 1.5708 },
+    { "name": "pitch", "alpha": -1.5708, "A": 0.0, "theta": 0.0, "D": 0.0, "type": "revolute", "offset": -1.5708 },
+    { "name": "insertion", "alpha": 1.5708, "A": 0.0, "theta": 0.0, "D": 0.0, "type": "prismatic", "offset": -0.4318 } ] }
+}
+"""
+
+DRIVER = """{ "DH": { "convention": "modified", "joints": [
+    { "name": "roll", "alpha": 0.0, "A": 0.0, "theta": 0.0, "D": 0.4162, "type": "revolute", "offset": 0.0 },
+    { "name": "wrist_pitch", "alpha": -1.5708, "A": 0.0, "theta": 0.0, "D": 0.0, "type": "revolute", "offset": -1.5708 },
+    { "name": "wrist_yaw", "alpha": -1.5708, "A": 0.0091, "theta": 0.0, "D": 0.0, "type": "revolute", "offset": -1.5708 } ] },
+  "jaw": { "qmin": -0.7, "qmax": 1.4 },
+  "tooltip_offset": [[0, -1, 0, 0], [0, 0, 1, 0], [-1, 0, 0, 0], [0, 0, 0, 1]]
+}
+"""
+
+CRANE = """<?xml version="1.0"?>
+<robot name="crane">
+  <link name="base"/>
+  <link name="shaft"><visual><geometry><mesh filename="package://crane/peak.obj" scale="0.001 0.001 0.001"/></geometry></visual></link>
+  <joint name="turn" type="continuous"><parent link="base"/><child link="shaft"/><origin xyz="0 0 0.1" rpy="0 1.5708 0"/><axis xyz="0 1 0"/></joint>
+</robot>
+"""
+
+PEAK = """v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"""
+
+EYE = "res_x=720\nres_y=576\nfc_x=800\nfc_y=800\ncc_x=360\ncc_y=288\nkc_0=0\nkc_1=0\nkc_2=0\nkc_3=0\nkc_4=0\n"
+RIG = ("[StereoLeft]\n" + EYE + "[StereoRight]\n" + EYE + "R_0=1\nR_1=0\nR_2=0\nR_3=0\nR_4=1\nR_5=0\nR_6=0\nR_7=0\nR_8=1\n"
+       "T_0=-5\nT_1=0\nT_2=0\n")
+
+LABELS = '[{"annotations": [{"class": "HeadPoint", "id": "tool1", "x": 3, "y": 4}]}]\n'
+KEYPOINTS_LEFT = "0:\n  1:\n  - 3.5\n  - 4\n  2: null\n"
+
+JOINTS = ["outer_yaw", "outer_pitch", "outer_insertion", "outer_roll", "outer_wrist_pitch", "outer_wrist_yaw"]
+LINKS = {"shaft": "roll", "wrist": "wrist_pitch", "yaw": "wrist_yaw"}   # of the built-in tool, by the names in DRIVER
+
+
+def write_camera(left, sequence, folder):
+    with open(os.path.join(folder, "camera_info.yaml"), "w") as info:   # no %YAML line, as ROS writes it
+        info.write("image_width: %d\nimage_height: %d\ndistortion_model: plumb_bob\n"
+                   % (sequence.getNode("image_width").real(), sequence.getNode("image_height").real()))
+        for key, rows, cols in (("camera_matrix", 3, 3), ("distortion_coefficients", 1, 5)):
+            data = ", ".join(repr(float(v)) for v in left.getNode(key).mat().ravel())
+            info.write("%s:\n  rows: %d\n  cols: %d\n  data: [%s]\n" % (key, rows, cols, data))
+    stereo = cv2.FileStorage(os.path.join(folder, "stereo.yml"), cv2.FILE_STORAGE_WRITE)
+    for eye in ("1", "2"):
+        stereo.write("M" + eye, left.getNode("camera_matrix").mat())
+        stereo.write("D" + eye, left.getNode("distortion_coefficients").mat())
+    stereo.write("R", cv2.Rodrigues(np.array([0., 0.01, 0.]))[0])
+    stereo.write("T", np.array([-5., 0., 0.]))
+    stereo.release()
+
+
+def write_joints(source, folder):
+    with open(os.path.join(source, "kinematics.csv"), newline="") as readings:
+        rows = list(csv.DictReader(readings))
+    with open(os.path.join(folder, "js.csv"), "w") as arm, open(os.path.join(folder, "jaw.csv"), "w") as jaw:
+        arm.write("header.stamp," + ",".join(JOINTS) + "\n")
+        jaw.write("header.stamp,position[0]\n")
+        for r in rows:
+            stamp = 1700000000000000000 + int(round(float(r["time"]) * 1e9))
+            arm.write("%d,%s\n" % (stamp, ",".join(r["q%d" % i] for i in range(1, 7))))
+            jaw.write("%d,%s\n" % (stamp, r["jaw"]))
+
+
+def write_points(model, folder):
+    tool = cv2.FileStorage(model, cv2.FILE_STORAGE_READ)
+    keypoints = tool.getNode("keypoints")
+    with open(os.path.join(folder, "points.csv"), "w") as points:
+        points.write("name,link,x,y,z\n")
+        for i in range(keypoints.size()):
+            keypoint = keypoints.at(i)
+            link, position = keypoint.getNode("link").string(), keypoint.getNode("position")
+            points.write("%s,%s,%s\n" % (keypoint.getNode("name").string(), LINKS.get(link, link),
+                                         ",".join(repr(position.at(k).real()) for k in range(3))))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("sequence", help="a sequence with one tool that make_sequence wrote")
+    parser.add_argument("dir", help="folder to write; is made if it does not exist")
+    args = parser.parse_args()
+    os.makedirs(args.dir, exist_ok=True)
+    for name, text in (("PSM.json", PSM), ("DRIVER.json", DRIVER), ("crane.urdf", CRANE), ("peak.obj", PEAK), ("rig.ini", RIG),
+                       ("labels.json", LABELS), ("keypoints_left.yaml", KEYPOINTS_LEFT)):
+        with open(os.path.join(args.dir, name), "w") as file:
+            file.write(text)
+    sequence = cv2.FileStorage(os.path.join(args.sequence, "sequence.yaml"), cv2.FILE_STORAGE_READ)
+    tool = sequence.getNode("tools").at(0)
+    write_camera(sequence.getNode("left"), sequence, args.dir)
+    hand_eye = cv2.FileStorage(os.path.join(args.dir, "hand_eye.yaml"), cv2.FILE_STORAGE_WRITE)
+    hand_eye.write("camera_T_base", tool.getNode("camera_T_base").mat())
+    hand_eye.release()
+    write_joints(args.sequence, args.dir)
+    write_points(os.path.join(args.sequence, tool.getNode("model").string()), args.dir)
+
+
+if __name__ == "__main__":
+    main()
