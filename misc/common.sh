@@ -281,6 +281,10 @@ build() {
   configure
   step "Building ($JOBS jobs)"
   export NINJA_STATUS='[%f/%t %es] '
+  # Headers of the bindings that are generated in the same run are noticed by the next one only.
+  if [[ " $* " == *" opencv_python3 "* ]]; then
+    cmake --build "$BUILD_DIR" --parallel "$JOBS" --target gen_opencv_python_source || die "the build failed, see above"
+  fi
   cmake --build "$BUILD_DIR" --parallel "$JOBS" --target "$@" || die "the build failed, see above"
 }
 

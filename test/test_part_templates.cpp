@@ -168,6 +168,22 @@ TEST(SurgTrack_PartTemplates, twoToolsOfOneModelHideEachOther)
     EXPECT_TRUE(partsOf(nearer) == partsOf(templatesOf(camera, front)));
 }
 
+TEST(SurgTrack_PartTemplates, aToolThatMayBeAnywhereHidesNothing)
+{
+    const CameraModel camera = endoscope();
+    const PosedTool tool(0.1);
+    Ptr<PartTemplateRenderer> renderer = PartTemplateRenderer::create();
+    renderer->addTool(tool.model);
+    renderer->addTool(tool.model);
+    std::vector<ToolView> views(1, tool.view);
+    views.push_back(PosedTool(0.08).view);   // would hide most of it
+    views[1].base_T_link.clear();
+    std::vector<PartTemplate> found;
+    renderer->render(camera, views, 0, found);
+    EXPECT_TRUE(partsOf(found) == partsOf(templatesOf(camera, tool)));
+    EXPECT_ERROR(renderer->render(camera, views, 1, found), "link");
+}
+
 TEST(SurgTrack_PartTemplates, theAnchorIsWhereTheCameraSeesTheKeypoint)
 {
     // Distortion and fx != fy.

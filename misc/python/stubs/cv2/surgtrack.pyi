@@ -500,7 +500,7 @@ def quantizeOrientationsInWindow(image: NDArray[Any], window: Tuple[int, int, in
     image: CV_8UC1 or CV_8UC3, any size; pixels beyond its border repeat it
     window: part of the image; must lie inside it
     orientations: CV_8UC1 of the window's size
-    magnitudeThreshold: see quantizeOrientations()
+    magnitudeThreshold: least Sobel magnitude of the blurred image [grey levels x 4] that counts as an edge
     """
     ...
 
