@@ -225,7 +225,8 @@ run_gtest "C++ tests" "$LOGS/test.log" env -u DISPLAY "$BUILD_DIR/bin/opencv_tes
 
 if command -v xvfb-run >/dev/null && command -v xauth >/dev/null; then
   step "C++ tests of what draws with OpenGL, with an X server"
-  run_gtest "C++ tests, X server" "$LOGS/test-x.log" xvfb-run -a -s '-screen 0 1280x1024x24' \
+  # -noreset: else the server starts anew, and answers nobody for a moment, whenever its last window is closed
+  run_gtest "C++ tests, X server" "$LOGS/test-x.log" xvfb-run -a -s '-screen 0 1280x1024x24 -noreset' \
     "$BUILD_DIR/bin/opencv_test_surgtrack" '--gtest_filter=*MeshRenderer*:*SceneView*'
 fi
 
