@@ -46,10 +46,28 @@ inline void silenceLibraries()
 #endif
 }
 
-inline int reportError(const char* program, const cv::Exception& e)
+//! The message of the exception that is being handled, in one line.
+inline std::string errorLine()
 {
-    std::string line = e.err.empty() ? e.what() : e.err;
+    std::string line;
+    try
+    {
+        throw;
+    }
+    catch (const cv::Exception& e)
+    {
+        line = e.err.empty() ? e.what() : e.err;
+    }
+    catch (const std::exception& e)
+    {
+        line = e.what();
+    }
     std::replace(line.begin(), line.end(), '\n', ' ');
+    return line;
+}
+
+inline int reportError(const char* program, const std::string& line = errorLine())
+{
     std::fprintf(stderr, "%s: %s\n", program, line.c_str());
     return 1;
 }

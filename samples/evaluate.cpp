@@ -180,15 +180,10 @@ void makeResult(const Options& options, const String& folder, const String& name
         save(name + ".yml.gz", result);
         return;
     }
-    catch (const Exception& e)
+    catch (...)
     {
-        error = e.err.empty() ? e.what() : e.err;
+        error = common::errorLine();
     }
-    catch (const std::exception& e)
-    {
-        error = e.what();
-    }
-    std::replace(error.begin(), error.end(), '\n', ' ');
     TextFile file(name + ".failed");
     file << (error.find(folder) == std::string::npos ? folder + ": " + error : error) + "\n";
     file.finish();
@@ -226,7 +221,7 @@ int evaluate(const char* program, const Options& options)
         const String failure = failureOf(options, sequence, name);
         if (!failure.empty())
         {
-            common::reportError(program, Exception(Error::StsError, failure, "", "", 0));
+            common::reportError(program, failure);
             failures.push_back(failure);
         }
         else if (!options.part)
@@ -267,12 +262,8 @@ int main(int argc, char** argv)
         }
         return evaluate(program, readOptions(parser)) > 0 ? 1 : 0;
     }
-    catch (const Exception& e)
+    catch (...)
     {
-        return common::reportError(program, e);
-    }
-    catch (const std::exception& e)
-    {
-        return common::reportError(program, Exception(Error::StsError, e.what(), "", "", 0));
+        return common::reportError(program);
     }
 }

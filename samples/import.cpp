@@ -299,12 +299,8 @@ int main(int argc, char** argv)
         Import(parser).run();
         return 0;
     }
-    catch (const Exception& e)
+    catch (...)
     {
-        return common::reportError("import", e);
-    }
-    catch (const std::exception& e)
-    {
-        return common::reportError("import", Exception(Error::StsError, e.what(), "", "", 0));
+        return common::reportError("import");
     }
 }

@@ -67,12 +67,8 @@ int main(int argc, char** argv)
                         params.imageSize.height, params.tools, params.tools > 1 ? "s" : "", model->name().c_str());
         return 0;
     }
-    catch (const Exception& e)
+    catch (...)
     {
-        return common::reportError("make_sequence", e);
-    }
-    catch (const std::exception& e)
-    {
-        return common::reportError("make_sequence", Exception(Error::StsError, e.what(), "", "", 0));
+        return common::reportError("make_sequence");
     }
 }

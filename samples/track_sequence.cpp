@@ -416,12 +416,8 @@ int main(int argc, char** argv)
         printSummary(run);
         return 0;
     }
-    catch (const Exception& e)
+    catch (...)
     {
-        return common::reportError(program, e);
-    }
-    catch (const std::exception& e)
-    {
-        return common::reportError(program, Exception(Error::StsError, e.what(), "", "", 0));
+        return common::reportError(program);
     }
 }
