@@ -5,7 +5,7 @@
 // Measures the tracker on sequences whose truth is known: the tables and figures of Ye et al. 2016, Sec. 3, and whether the filter is
 // as good as it says.
 
-#include "evaluation_report.hpp"
+#include "evaluation/report.hpp"
 
 using namespace cv;
 using namespace cv::surgtrack;

@@ -4,7 +4,7 @@
 
 // Hand-eye calibration from poses of the robot and poses, or images, of a calibration board.
 
-#include "hand_eye_data.hpp"
+#include "support/hand_eye_data.hpp"
 
 using namespace hand_eye;
 

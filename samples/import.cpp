@@ -7,7 +7,7 @@
 #include "opencv2/surgtrack.hpp"
 #include "opencv2/core/utils/filesystem.hpp"
 #include "opencv2/videoio.hpp"
-#include "common.hpp"
+#include "support/common.hpp"
 
 using namespace cv;
 using namespace cv::surgtrack;

@@ -6,8 +6,8 @@
 
 #include <csignal>
 #include <map>
-#include "live_images.hpp"
-#include "pose_columns.hpp"
+#include "live/images.hpp"
+#include "support/pose_columns.hpp"
 
 using namespace cv;
 using namespace cv::surgtrack;

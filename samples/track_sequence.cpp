@@ -8,11 +8,11 @@
 #include "opencv2/imgproc.hpp"
 #include "opencv2/videoio.hpp"
 #include "opencv2/surgtrack.hpp"
-#include "common.hpp"
-#include "debug_pictures.hpp"
-#include "frame_reader.hpp"
-#include "pose_columns.hpp"
-#include "run_output.hpp"
+#include "support/common.hpp"
+#include "support/debug_pictures.hpp"
+#include "support/frame_reader.hpp"
+#include "support/pose_columns.hpp"
+#include "support/run_output.hpp"
 
 using namespace cv;
 using namespace cv::surgtrack;

@@ -10,8 +10,8 @@
 #include "opencv2/imgcodecs.hpp"
 #include "opencv2/imgproc.hpp"
 #include "opencv2/surgtrack.hpp"
-#include "common.hpp"
-#include "frame_reader.hpp"
+#include "support/common.hpp"
+#include "support/frame_reader.hpp"
 
 using namespace cv;
 using namespace cv::surgtrack;

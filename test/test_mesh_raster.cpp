@@ -4,7 +4,7 @@
 
 #include "test_common.hpp"
 #include "opencv2/imgproc.hpp"
-#include "../src/mesh_raster.hpp"
+#include "render/mesh_raster.hpp"
 
 namespace opencv_test { namespace {
 

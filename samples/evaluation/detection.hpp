@@ -1,0 +1,276 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+// How often QGO matching finds the parts of a tool (paper, Fig. 3 a and b).
+
+#ifndef OPENCV_SURGTRACK_SAMPLES_EVALUATION_DETECTION_HPP
+#define OPENCV_SURGTRACK_SAMPLES_EVALUATION_DETECTION_HPP
+
+#include "opencv2/imgproc.hpp"
+#include "data.hpp"
+#include "../support/frame_reader.hpp"
+
+namespace evaluation {
+
+enum { MAX_TOP_N = 5, THRESHOLDS = 3, VARIANTS = 2 };
+
+inline int thresholdPixels(int index)   // of an image 720 pixel wide
+{
+    static const int pixels[] = { 5, 10, 20 };
+    return pixels[index];
+}
+
+inline const char* variantName(int variant) { return variant == 0 ? "raw" : "tracked"; }
+
+//! Counts of one part.
+struct DetectionCount
+{
+    int visible;     //!< keypoints that could be seen
+    int samples;     //!< of these, with a template
+    int hits[THRESHOLDS][MAX_TOP_N];
+    double prior;    //!< sum of the distances of the template from the keypoint, over the samples [pixel at 720 px width]
+
+    DetectionCount() : visible(0), samples(0), prior(0) { std::memset(hits, 0, sizeof(hits)); }
+
+    void add(const DetectionCount& other)
+    {
+        visible += other.visible;
+        samples += other.samples;
+        prior += other.prior;
+        for (int i = 0; i < THRESHOLDS; i++)
+            for (int n = 0; n < MAX_TOP_N; n++)
+                hits[i][n] += other.hits[i][n];
+    }
+    double rate(int threshold, int topN) const { return samples ? double(hits[threshold][topN]) / samples : unknown(); }
+};
+
+struct Detection
+{
+    std::vector<String> parts;                       //!< names of keypoints, those of the same name together
+    std::vector<DetectionCount> counts[VARIANTS];    //!< a part
+
+    DetectionCount& at(int variant, const String& part)
+    {
+        const size_t index = std::find(parts.begin(), parts.end(), part) - parts.begin();
+        if (index == parts.size())
+        {
+            parts.push_back(part);
+            for (int i = 0; i < VARIANTS; i++)
+                counts[i].push_back(DetectionCount());
+        }
+        return counts[variant][index];
+    }
+    void add(const Detection& other)
+    {
+        for (int i = 0; i < VARIANTS; i++)
+            for (size_t j = 0; j < other.parts.size(); j++)
+                at(i, other.parts[j]).add(other.counts[i][j]);
+    }
+    DetectionCount all(int variant) const
+    {
+        DetectionCount sum;
+        for (size_t i = 0; i < counts[variant].size(); i++)
+            sum.add(counts[variant][i]);
+        return sum;
+    }
+};
+
+/** @brief Draws templates, searches them as the tracker does, and compares with the true image points.
+
+Two variants. `raw`: at the pose of the recorded kinematics with the raw hand-eye calibration, windows of +-120 px. `tracked`: at the
+recorded joints with the true correction of the end effector, turned and moved by random amounts that put keypoints some 13 px off,
+windows of +-40 px. Pixels are those of an image 720 px wide; larger images are reduced by a whole number, as the tracker does.
+Without keypoints.csv the true points come from groundtruth.csv and the tool file, and a part can be seen if a drawing at the true
+pose shows it. */
+class DetectionRun
+{
+public:
+    explicit DetectionRun(const Data& data) : data_(data), rng_(20160605)
+    {
+        const CameraModel full = data.sequence->leftCamera();
+        reduction_ = std::max(1, full.imageSize().width / 720);
+        const double f = 1. / reduction_;
+        const Matx33d K(full.fx * f, 0, (full.cx + 0.5) * f - 0.5, 0, full.fy * f, (full.cy + 0.5) * f - 0.5, 0, 0, 1);
+        camera_ = CameraModel(K, full.distCoeffs(), Size(full.imageSize().width / reduction_, full.imageSize().height / reduction_));
+        pixel_ = camera_.imageSize().width / 720.;
+        renderer_ = PartTemplateRenderer::create();
+        for (size_t i = 0; i < data.tools.size(); i++)
+        {
+            renderer_->addTool(data.tools[i].model);
+            const std::vector<String> names = data.tools[i].model->keypointNames();
+            for (size_t j = 0; j < names.size(); j++)
+                detection_.at(0, names[j]);   // in the order of the tool file, whatever is seen first
+        }
+        matcher_ = QGOMatcher::create();
+    }
+
+    //! @param frames at most so many; 0 = all. Of a long sequence every k-th is looked at
+    const Detection& run(int frames, bool quiet)
+    {
+        common::FrameReader reader(*data_.sequence, 0);
+        const int count = frames > 0 ? std::min(frames, reader.count()) : reader.count();
+        const int step = 1 + (std::max(count, 1) - 1) / MAX_FRAMES;
+        common::Progress progress(count, quiet);
+        Mat image, reduced;
+        for (int frame = 0; frames == 0 || frame < frames; frame++)
+        {
+            if (!reader.read(image))
+                break;   // the tracker's run tells if it should have gone on
+            if (frame % step)
+                continue;
+            if (reduction_ > 1)
+                resize(image, reduced, camera_.imageSize(), 0, 0, INTER_AREA);
+            matcher_->setImage(reduction_ > 1 ? reduced : image);
+            look(frame);
+            progress.show(frame + 1);
+        }
+        return detection_;
+    }
+
+private:
+    enum { MAX_FRAMES = 300 };
+
+    // The true state of all tools. false: there is none of some tool.
+    bool readTruth(int frame)
+    {
+        data_.joints(frame, joints_);
+        truths_.resize(data_.tools.size());
+        for (int i = 0; i < (int)data_.tools.size(); i++)
+            if (!data_.truth(i, frame, truths_[i]))
+                return false;
+        return true;
+    }
+
+    void place(const std::vector<Matx44d>& camera_T_base, bool trueJoints)
+    {
+        views_.resize(data_.tools.size());
+        for (size_t i = 0; i < data_.tools.size(); i++)
+        {
+            views_[i].camera_T_base = camera_T_base[i];
+            data_.tools[i].model->forwardKinematics(trueJoints ? truths_[i].joints : joints_[i], views_[i].base_T_link);
+        }
+    }
+
+    // A pose that is off as that of a tracker at a bad moment.
+    Matx44d perturbed(const Matx44d& camera_T_tool)
+    {
+        const double degrees = 1.5, pixels = 12, depth = 0.002;   // turning adds to the pixels
+        Vec3d turn;
+        for (int i = 0; i < 3; i++)
+            turn[i] = rng_.gaussian(degrees * CV_PI / 180);
+        const double direction = rng_.uniform(0., 2 * CV_PI), away = rng_.gaussian(depth);
+        const Vec3d t = translationOf(camera_T_tool);
+        const double side = pixels * pixel_ * t[2];
+        const Vec3d shift(side * std::cos(direction) / camera_.fx, side * std::sin(direction) / camera_.fy, away);
+        return rigid(rotationFromVector(turn) * rotationOf(camera_T_tool), t + shift);
+    }
+
+    // True points of one tool, by keypoint, in the reduced image; those that are not visible are missing.
+    std::map<int, Point2d> visibleKeypoints(int frame, int tool)
+    {
+        std::map<int, Point2d> result;
+        if (!data_.keypoints.empty())
+        {
+            for (size_t part = 0; part < data_.keypoints[tool].size(); part++)
+            {
+                const std::map<int, TrueKeypoint>::const_iterator it = data_.keypoints[tool][part].find(frame);
+                if (it == data_.keypoints[tool][part].end() || !it->second.visible)
+                    continue;
+                const Point2d& p = it->second.imagePoint;
+                result[(int)part] = Point2d((p.x + 0.5) / reduction_ - 0.5, (p.y + 0.5) / reduction_ - 0.5);
+            }
+            return result;
+        }
+        std::vector<Matx44d> bases;
+        for (int i = 0; i < (int)data_.tools.size(); i++)
+        {
+            if (truths_[i].joints.empty())
+                fail(fileOf(data_.folder, "groundtruth", "groundtruth.csv") + ": expected the true joints of tool '" + data_.tools[i].info.name +
+                     "', or a keypoints.csv beside it");
+            bases.push_back(data_.camera_T_base(i, truths_[i].camera_T_tool, truths_[i].joints));
+        }
+        place(bases, true);
+        renderer_->render(camera_, views_, tool, templates_);
+        for (size_t i = 0; i < templates_.size(); i++)
+            result[templates_[i].part] = templates_[i].imagePoint;
+        return result;
+    }
+
+    void look(int frame)
+    {
+        if (!readTruth(frame))
+            return;
+        std::vector<Matx44d> bases[VARIANTS];
+        for (int i = 0; i < (int)data_.tools.size(); i++)
+        {
+            bases[0].push_back(data_.tools[i].info.nominal_T_base);
+            bases[1].push_back(data_.camera_T_base(i, perturbed(truths_[i].camera_T_tool), joints_[i]));
+        }
+        for (int tool = 0; tool < (int)data_.tools.size(); tool++)
+        {
+            const std::map<int, Point2d> visible = visibleKeypoints(frame, tool);
+            for (int variant = 0; variant < VARIANTS; variant++)
+            {
+                place(bases[variant], false);
+                renderer_->render(camera_, views_, tool, templates_);
+                search(variant, data_.tools[tool].model->keypoints(), visible);
+            }
+        }
+    }
+
+    void search(int variant, const std::vector<ToolModel::Keypoint>& keypoints, const std::map<int, Point2d>& visible)
+    {
+        const int half = cvRound((variant == 0 ? 120 : 40) * pixel_);
+        const Rect all(Point(), camera_.imageSize());
+        std::vector<Rect> windows;
+        for (size_t i = 0; i < templates_.size(); i++)
+            windows.push_back(Rect(templates_[i].anchor.x - half, templates_[i].anchor.y - half, 2 * half + 1, 2 * half + 1) & all);
+        matches_.clear();
+        if (!templates_.empty())
+            matcher_->match(templates_, windows, matches_);
+        for (std::map<int, Point2d>::const_iterator it = visible.begin(); it != visible.end(); ++it)
+            detection_.at(variant, keypoints[it->first].name).visible++;
+        for (size_t i = 0; i < templates_.size(); i++)
+        {
+            const std::map<int, Point2d>::const_iterator truth = visible.find(templates_[i].part);
+            if (truth == visible.end())
+                continue;
+            DetectionCount& count = detection_.at(variant, keypoints[truth->first].name);
+            count.samples++;
+            count.prior += norm(templates_[i].imagePoint - truth->second) / pixel_;
+            double nearest = DBL_MAX;
+            int rank = 0;
+            for (size_t j = 0; j <= matches_.size() && rank < MAX_TOP_N; j++)
+            {
+                const bool end = j == matches_.size();
+                if (!end && matches_[j].templateIndex != (int)i)
+                    continue;
+                if (!end)
+                    nearest = std::min(nearest, norm(matches_[j].imagePoint - truth->second) / pixel_);
+                // A part with fewer candidates than N has no more to offer.
+                for (const int last = end ? MAX_TOP_N : rank + 1; rank < last; rank++)
+                    for (int k = 0; k < THRESHOLDS; k++)
+                        count.hits[k][rank] += nearest <= thresholdPixels(k);
+            }
+        }
+    }
+
+    const Data& data_;
+    RNG rng_;
+    int reduction_;
+    double pixel_;   // of an image 720 pixel wide, in pixels of ours
+    CameraModel camera_;
+    Ptr<PartTemplateRenderer> renderer_;
+    Ptr<QGOMatcher> matcher_;
+    std::vector<std::vector<double> > joints_;
+    std::vector<Truth> truths_;
+    std::vector<ToolView> views_;
+    std::vector<PartTemplate> templates_;
+    std::vector<PartMatch> matches_;
+    Detection detection_;
+};
+
+} // namespace evaluation
+
+#endif

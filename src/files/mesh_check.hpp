@@ -1,0 +1,104 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_SRC_FILES_MESH_CHECK_HPP
+#define OPENCV_SURGTRACK_SRC_FILES_MESH_CHECK_HPP
+
+#include <fstream>
+#include <sstream>
+#include "opencv2/core.hpp"
+#include "opencv2/core/utils/filesystem.hpp"
+
+namespace cv { namespace surgtrack {
+
+// VTK's readers deliver what they could make of a damaged file, or read beyond its end. So files are checked before VTK sees
+// them, and what VTK read is compared with what the file promises.
+class MeshFileChecker
+{
+public:
+    explicit MeshFileChecker(const String& filename) : filename_(filename), pos_(0), faces_(-1), vertices_(-1)
+    {
+        std::ifstream file;
+        if (!utils::fs::isDirectory(filename))
+            file.open(filename.c_str(), std::ios::binary);
+        if (!file.is_open())
+            CV_Error(Error::StsObjectNotFound, filename + ": expected a mesh file that can be read");
+        std::ostringstream content;
+        content << file.rdbuf();
+        data_ = content.str();
+        if (data_.compare(0, 42, "version https://git-lfs.github.com/spec/v1") == 0)
+            fail("is the pointer git-LFS leaves in the place of a file, expected the mesh itself: run `git lfs pull` where it comes from");
+    }
+
+    void checkPLY();
+    void checkSTL();
+    void checkOBJ();
+
+    //! Compares with what the file promises; -1 = not known.
+    void checkCounts(int64 vertices, int64 faces) const
+    {
+        if (vertices_ >= 0 && vertices != vertices_)
+            fail(format("expected %lld vertices, read %lld", (long long)vertices_, (long long)vertices));
+        if (faces_ >= 0 && faces != faces_)
+            fail(format("expected %lld faces, read %lld", (long long)faces_, (long long)faces));
+    }
+
+    const std::string& content() const { return data_; }
+
+    void fail(const String& what) const { CV_Error(Error::StsParseError, filename_ + ": " + what); }
+
+private:
+    struct Type { int size; bool isInteger, isSigned; };
+    struct Property { String name; Type count, value; };   // count.size 0: not a list
+    struct Element { String name; int64 count; std::vector<Property> properties; };
+
+    std::vector<Element> readPLYHeader(String& plyFormat);
+    void needPLYProperty(const std::vector<Element>& elements, const char* element, const char* property, bool list) const;
+    static Type plyType(const String& name);
+    void checkPLYFace(const int64* indices, int64 count) const;
+    void checkTextElement(const Element& element, bool faces);
+    void checkBinaryElement(const Element& element, bool faces, bool bigEndian);
+    double nextNumber();
+    int64 nextInteger(const Type& type, bool bigEndian);
+
+    bool nextLine(String& line)
+    {
+        if (pos_ >= data_.size())
+            return false;
+        const size_t end = std::min(data_.find('\n', pos_), data_.size());
+        line = data_.substr(pos_, end - pos_);
+        if (!line.empty() && line[line.size() - 1] == '\r')
+            line.resize(line.size() - 1);
+        pos_ = end + 1;
+        return true;
+    }
+
+    String checkOBJCorner(const String& corner, const int64* count, int line) const;
+
+    // vtkPLYReader stumbles over characters that are white space to others.
+    void nextPLYLine(String& line, const char* expected)
+    {
+        if (!nextLine(line))
+            fail(String("truncated: expected ") + expected);
+        for (size_t i = 0; i < line.size(); ++i)
+            if ((uchar)line[i] < ' ' && line[i] != '\t')
+                fail("expected text, found `" + line.substr(0, 40) + "`");
+    }
+
+    void need(int64 bytes) const
+    {
+        if (bytes > (int64)data_.size() - (int64)pos_)
+            fail(format("truncated: expected %lld bytes more than its %lld", (long long)(bytes - ((int64)data_.size() - (int64)pos_)),
+                        (long long)data_.size()));
+    }
+
+    String filename_;
+    std::string data_;
+    size_t pos_;
+    int64 faces_, vertices_;
+};
+
+}} // namespace cv::surgtrack
+
+#endif

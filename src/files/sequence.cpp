@@ -1,0 +1,186 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "opencv2/core/utils/filesystem.hpp"
+#include "files/csv.hpp"
+#include "base/geometry.hpp"
+
+namespace cv { namespace surgtrack {
+
+namespace {
+
+int findTool(const std::vector<SequenceTool>& tools, const CsvReader& csv, int column)
+{
+    for (size_t i = 0; i < tools.size(); i++)
+        if (tools[i].name == csv.text(column))
+            return (int)i;
+    csv.fail(format("tool '%s' is none of the tools of sequence.yaml", csv.text(column)));
+}
+
+} // namespace
+
+SequenceTool::SequenceTool() : nominal_T_base(Matx44d::eye()) {}
+
+Sequence::Sequence() : fps_(0), right_T_left_(Matx44d::eye()) {}
+
+Ptr<Sequence> Sequence::load(const String& folder, bool recorded)
+{
+    const bool isFile = utils::fs::exists(folder) && !utils::fs::isDirectory(folder);
+    const String filename = isFile ? folder : utils::fs::join(folder, "sequence.yaml");
+    if (!utils::fs::exists(filename))
+        CV_Error(Error::StsObjectNotFound, format("%s: there is no such file", filename.c_str()));
+    String parent = isFile ? utils::fs::getParent(folder) : folder;
+    Ptr<Sequence> sequence(new Sequence());
+    sequence->readDescription(parent.empty() ? String(".") : parent, filename, recorded);
+    if (recorded)
+    {
+        sequence->readKinematics();
+        sequence->readGroundTruth();
+    }
+    else
+        sequence->groundTruthFile_.clear();
+    return sequence;
+}
+
+void Sequence::readKinematics()
+{
+    CsvReader csv(kinematicsFile_);
+    const int timeColumn = csv.column("time"), toolColumn = csv.column("tool");
+    std::vector<int> columns;
+    for (int i = 0; i < (int)csv.header().size(); i++)
+        if (i != timeColumn && i != toolColumn)
+        {
+            columns.push_back(i);
+            jointNames_.push_back(csv.header()[i]);
+        }
+    if (columns.empty())
+        CV_Error(Error::StsParseError, format("%s, line 1: expected columns of joints after time and tool", kinematicsFile_.c_str()));
+    records_.resize(tools_.size());
+    while (csv.next())
+    {
+        JointRecords& records = records_[findTool(tools_, csv, toolColumn)];
+        const double time = csv.number(timeColumn);
+        if (!records.times.empty() && time <= records.times.back())
+            csv.fail(format("time %g of tool '%s' does not come after %g", time, csv.text(toolColumn), records.times.back()));
+        records.times.push_back(time);
+        for (size_t i = 0; i < columns.size(); i++)
+            records.values.push_back(csv.number(columns[i]));
+    }
+    for (size_t i = 0; i < tools_.size(); i++)
+        if (records_[i].times.empty())
+            CV_Error(Error::StsParseError, format("%s: expected lines of tool '%s'", kinematicsFile_.c_str(), tools_[i].name.c_str()));
+}
+
+void Sequence::readGroundTruth()
+{
+    truth_.resize(tools_.size());
+    if (!utils::fs::exists(groundTruthFile_))
+    {
+        groundTruthFile_.clear();
+        return;
+    }
+    CsvReader csv(groundTruthFile_);
+    const int frameColumn = csv.column("frame"), toolColumn = csv.column("tool");
+    const char* const names[] = { "tx", "ty", "tz", "qx", "qy", "qz", "qw" };
+    int poseColumns[7];
+    for (int i = 0; i < 7; i++)
+        poseColumns[i] = csv.column(names[i]);
+    std::vector<int> jointColumns;
+    for (size_t i = 0; i < jointNames_.size(); i++)
+        jointColumns.push_back(csv.find(jointNames_[i]));
+    if (std::count(jointColumns.begin(), jointColumns.end(), -1) > 0)
+        jointColumns.clear();
+    while (csv.next())
+    {
+        std::map<int, Truth>& truth = truth_[findTool(tools_, csv, toolColumn)];
+        const int frame = csv.count(frameColumn);
+        if (truth.count(frame))
+            csv.fail(format("frame %d of tool '%s' is there twice", frame, csv.text(toolColumn)));
+        double p[7];
+        for (int i = 0; i < 7; i++)
+            p[i] = csv.number(poseColumns[i]);
+        const double length = norm(Vec4d(p + 3));
+        if (std::abs(length - 1) > 1e-2)
+            csv.fail(format("qx, qy, qz, qw have length %g, expected a unit quaternion", length));
+        Truth& t = truth[frame];
+        const Matx33d R = rotationFromQuaternion(Vec4d(p + 3));
+        t.camera_T_tool = Matx44d(R(0, 0), R(0, 1), R(0, 2), p[0], R(1, 0), R(1, 1), R(1, 2), p[1],
+                                  R(2, 0), R(2, 1), R(2, 2), p[2], 0, 0, 0, 1);
+        for (size_t i = 0; i < jointColumns.size(); i++)
+            t.joints.push_back(csv.number(jointColumns[i]));
+    }
+}
+
+SequenceTool Sequence::tool(int index) const
+{
+    CV_CheckGE(index, 0, "tool index");
+    CV_CheckLT(index, toolCount(), "tool index");
+    return tools_[index];
+}
+
+const Sequence::JointRecords& Sequence::records(int tool) const
+{
+    CV_CheckGE(tool, 0, "tool index");
+    CV_CheckLT(tool, toolCount(), "tool index");
+    if (records_.empty())
+        CV_Error(Error::StsBadArg, "the sequence was loaded without its recording");
+    return records_[tool];
+}
+
+double Sequence::firstTime(int tool) const { return records(tool).times.front(); }
+double Sequence::lastTime(int tool) const { return records(tool).times.back(); }
+
+bool Sequence::jointsAt(int tool, double time, std::vector<double>& joints, const std::vector<String>& coordinates) const
+{
+    const std::vector<double>& times = records(tool).times;
+    const double interval = times.size() > 1 ? (times.back() - times.front()) / (times.size() - 1) : 0;
+    const double slack = interval * (1 + 1e-6);   // times are rounded in the file
+    if (!(time >= times.front() - slack && time <= times.back() + slack))
+        return false;
+    const size_t n = jointNames_.size();
+    size_t after = std::upper_bound(times.begin(), times.end(), time) - times.begin();
+    after = std::min(std::max(after, (size_t)1), times.size() - 1);   // 0 if there is a single record
+    const size_t before = after > 0 ? after - 1 : 0;
+    const double span = times[after] - times[before];
+    const double weight = span > 0 ? std::min(std::max((time - times[before]) / span, 0.), 1.) : 0;
+    const double* a = &records_[tool].values[before * n];
+    const double* b = &records_[tool].values[after * n];
+    const size_t wanted = coordinates.empty() ? n : coordinates.size();
+    std::vector<double> result(wanted);
+    for (size_t i = 0; i < wanted; i++)
+    {
+        const size_t column = coordinates.empty() ? i : std::find(jointNames_.begin(), jointNames_.end(), coordinates[i]) - jointNames_.begin();
+        if (column == n)
+            CV_Error(Error::StsObjectNotFound, format("%s, line 1: expected a column '%s', a coordinate of tool '%s'", kinematicsFile_.c_str(),
+                     coordinates[i].c_str(), tools_[tool].name.c_str()));
+        result[i] = a[column] + weight * (b[column] - a[column]);
+    }
+    joints.swap(result);
+    return true;
+}
+
+bool Sequence::hasGroundTruth() const { return !groundTruthFile_.empty(); }
+
+int Sequence::groundTruthEnd() const
+{
+    int end = 0;
+    for (size_t i = 0; i < truth_.size(); i++)
+        if (!truth_[i].empty())
+            end = std::max(end, truth_[i].rbegin()->first + 1);
+    return end;
+}
+
+bool Sequence::groundTruth(int tool, int frame, Matx44d& camera_T_tool, std::vector<double>& joints) const
+{
+    records(tool);   // checks the index
+    const std::map<int, Truth>::const_iterator it = truth_[tool].find(frame);
+    if (it == truth_[tool].end())
+        return false;
+    camera_T_tool = it->second.camera_T_tool;
+    joints = it->second.joints;
+    return true;
+}
+
+}} // namespace cv::surgtrack

@@ -1,0 +1,91 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "files/text_file.hpp"
+
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+#include "opencv2/core/utils/filesystem.hpp"
+
+namespace cv { namespace surgtrack {
+
+void importError(const String& filename, const String& what, int code)
+{
+    CV_Error(code, filename + ": " + what);
+}
+
+String readTextFile(const String& filename)
+{
+    std::ifstream file;
+    if (!utils::fs::isDirectory(filename))
+        file.open(filename.c_str(), std::ios::binary);
+    std::ostringstream content;
+    if (!file.is_open() || !(content << file.rdbuf()))
+        importError(filename, "expected a text file that can be read and is not empty", Error::StsObjectNotFound);
+    return content.str();
+}
+
+static FileStorage parseStorage(const String& filename, const String& source, int flags, const char* expected)
+{
+    FileStorage storage;
+    String reason;
+    try
+    {
+        storage.open(source, flags);
+    }
+    catch (const Exception& e)
+    {
+        reason = " (" + e.err + ")";
+    }
+    if (!storage.isOpened() || !storage.root().isMap())
+        importError(filename, String("expected ") + expected + reason);
+    return storage;
+}
+
+FileStorage openStorage(const String& filename)
+{
+    readTextFile(filename);   // for the error of a file that is not there
+    return parseStorage(filename, filename, FileStorage::READ, "a YAML, XML or JSON file of cv::FileStorage");
+}
+
+FileStorage openYaml(const String& filename)
+{
+    const std::regex numberKey("(^|[{,]) *['\"]?([0-9]+)['\"]? *:(?= |$)"), notForStorage("[ \r]+$|!!python/tuple");
+    std::istringstream lines(readTextFile(filename));
+    String text = "%YAML:1.0\n---\n", line;
+    while (std::getline(lines, line))
+    {
+        line = std::regex_replace(line, notForStorage, "");
+        const size_t start = line.find_first_not_of(" ");
+        if (start == String::npos || line[0] == '%' || line.compare(0, 3, "---") == 0 || line.compare(0, 3, "...") == 0)
+            continue;
+        if (line.compare(start, 2, "- ") == 0)
+            text += " " + line + "\n";
+        else
+            text += line.substr(0, start) + std::regex_replace(line.substr(start), numberKey, "$1n$2:") + "\n";
+    }
+    return parseStorage(filename, text, FileStorage::READ | FileStorage::MEMORY, "YAML");
+}
+
+std::pair<String, String> splitPair(const String& text, const char* what)
+{
+    const size_t colon = text.find(':');
+    if (colon == 0 || colon == String::npos || colon + 1 == text.size())
+        CV_Error(Error::StsBadArg, format("%s: '%s', expected two parts and a colon between", what, text.c_str()));
+    return std::make_pair(text.substr(0, colon), text.substr(colon + 1));
+}
+
+std::map<String, String> pairsByLabel(const std::vector<String>& pairs, const char* what)
+{
+    std::map<String, String> result;
+    for (size_t i = 0; i < pairs.size(); i++)
+        if (!result.insert(splitPair(pairs[i], what)).second)
+            CV_Error(Error::StsBadArg, format("%s: '%s', expected each label once", what, pairs[i].c_str()));
+    return result;
+}
+
+}} // namespace cv::surgtrack

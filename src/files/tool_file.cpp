@@ -1,0 +1,365 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "files/mesh_io.hpp"
+
+#include <fstream>
+#include <set>
+
+#include "opencv2/core/utils/filesystem.hpp"
+
+// ToolModel::load() and save(): the tool file of doc/formats.md.
+
+namespace cv { namespace surgtrack {
+
+namespace {
+
+const char* const JOINT_NAMES[] = { "fixed", "revolute", "prismatic" };
+
+/* A node of the tool file that knows where it is, for errors that say so. */
+class TracedNode
+{
+public:
+    TracedNode(const String& filename, const String& path, const FileNode& node) : filename_(filename), path_(path), node_(node) {}
+
+    CV_NORETURN void fail(const String& what, int code = Error::StsParseError) const
+    {
+        cv::error(code, filename_ + ": " + (path_.empty() ? "" : path_ + ": ") + what, CV_Func, __FILE__, __LINE__);
+    }
+
+    //! A map that holds no other keys than these, and none twice.
+    const TracedNode& map(const std::set<String>& keys) const
+    {
+        if (!node_.isMap())
+            fail("expected a map");
+        std::set<String> seen;
+        for (FileNodeIterator it = node_.begin(); it != node_.end(); ++it)
+        {
+            const String key = (*it).name();
+            if (!keys.count(key))
+            {
+                String known;
+                for (std::set<String>::const_iterator k = keys.begin(); k != keys.end(); ++k)
+                    known += (known.empty() ? "" : ", ") + *k;
+                child(key).fail("unknown key, expected one of: " + known);
+            }
+            if (!seen.insert(key).second)
+                child(key).fail("expected once, found twice");
+        }
+        return *this;
+    }
+
+    bool has(const String& key) const { return !node_[key].empty(); }
+
+    TracedNode operator[](const String& key) const
+    {
+        if (!has(key))
+            child(key).fail("missing");
+        return child(key);
+    }
+
+    std::vector<TracedNode> sequence() const
+    {
+        if (!node_.isSeq())
+            fail("expected a sequence");
+        std::vector<TracedNode> items;
+        for (FileNodeIterator it = node_.begin(); it != node_.end(); ++it)
+            items.push_back(TracedNode(filename_, path_ + format("[%d]", (int)items.size()), *it));
+        return items;
+    }
+
+    String text() const
+    {
+        if (!node_.isString() || ((String)node_).empty())
+            fail("expected a string");
+        return (String)node_;
+    }
+
+    double number() const
+    {
+        if ((!node_.isReal() && !node_.isInt()) || !(std::abs((double)node_) < DBL_MAX))
+            fail("expected a finite number");
+        return (double)node_;
+    }
+
+    Matx44d rigid() const
+    {
+        Mat m;
+        try
+        {
+            if (node_.isMap())
+                node_ >> m;
+        }
+        catch (const cv::Exception& e)
+        {
+            fail("expected a 4x4 matrix of numbers (" + e.err + ")");
+        }
+        if (m.size() != Size(4, 4) || m.channels() != 1)
+            fail(format("expected a 4x4 opencv-matrix, found %dx%d", m.rows, m.cols));
+        Matx44d T;
+        m.convertTo(T, CV_64F);
+        if (!isRigid(T))
+            fail("expected a rigid transform: finite, rotation orthonormal and right-handed, last row 0 0 0 1");
+        return T;
+    }
+
+private:
+    TracedNode child(const String& key) const { return TracedNode(filename_, path_.empty() ? key : path_ + "." + key, node_[key]); }
+
+    String filename_, path_;
+    FileNode node_;
+};
+
+int indexOf(const std::vector<String>& names, const String& name)
+{
+    const std::vector<String>::const_iterator it = std::find(names.begin(), names.end(), name);
+    return it == names.end() ? -1 : (int)(it - names.begin());
+}
+
+//! Reads node.text() as a name that is not yet among the names.
+String newName(const TracedNode& node, const std::vector<String>& names)
+{
+    const String name = node.text();
+    if (indexOf(names, name) >= 0)
+        node.fail("expected a name of its own, `" + name + "` is taken");
+    return name;
+}
+
+//! Reads node.text() as one of the names. @return its index
+int knownName(const TracedNode& node, const std::vector<String>& names, const char* what)
+{
+    const int index = indexOf(names, node.text());
+    if (index < 0)
+        node.fail(String("expected the name of ") + what + ", found `" + node.text() + "`");
+    return index;
+}
+
+ToolModel::Link parseLink(const TracedNode& node, const std::vector<String>& coordinates)
+{
+    node.map({ "name", "parent", "joint", "mdh", "mesh", "link_T_mesh" });
+    ToolModel::Link link;
+    link.name = node["name"].text();
+
+    const TracedNode joint = node["joint"].map({ "type", "coordinate", "scale", "offset_deviation" });
+    const String type = joint["type"].text();
+    link.jointType = type == "fixed" ? ToolModel::JOINT_FIXED : type == "revolute" ? ToolModel::JOINT_REVOLUTE : ToolModel::JOINT_PRISMATIC;
+    if (type != JOINT_NAMES[link.jointType])
+        joint["type"].fail("expected revolute, prismatic or fixed, found `" + type + "`");
+    if (link.jointType == ToolModel::JOINT_FIXED)
+        node["joint"].map({ "type" });
+    else
+        link.coordinate = knownName(joint["coordinate"], coordinates, "a coordinate");
+    if (joint.has("scale"))
+        link.scale = joint["scale"].number();
+    if (joint.has("offset_deviation"))
+    {
+        link.offsetDeviation = joint["offset_deviation"].number();
+        if (link.offsetDeviation < 0)
+            joint["offset_deviation"].fail("expected a number of at least 0; without the key it is the default");
+    }
+
+    const TracedNode mdh = node["mdh"].map({ "alpha", "a", "theta", "d" });
+    link.alpha = mdh["alpha"].number();
+    link.a = mdh["a"].number();
+    link.theta = mdh["theta"].number();
+    link.d = mdh["d"].number();
+    return link;
+}
+
+/* The order in which every link comes after its parent; else that of the file. */
+std::vector<int> parentsFirst(const std::vector<TracedNode>& nodes, const std::vector<String>& names)
+{
+    std::vector<int> order, parents;
+    std::vector<bool> placed(nodes.size(), false);
+    for (size_t i = 0; i < nodes.size(); ++i)
+    {
+        const TracedNode parent = nodes[i]["parent"];
+        parents.push_back(parent.text() == "base" ? -1 : knownName(parent, names, "a link or `base`"));
+    }
+    while (order.size() < nodes.size())
+    {
+        const size_t before = order.size();
+        for (size_t i = 0; i < nodes.size(); ++i)
+            if (!placed[i] && (parents[i] < 0 || placed[parents[i]]))
+            {
+                placed[i] = true;
+                order.push_back((int)i);
+            }
+        if (order.size() == before)
+        {
+            const size_t i = std::find(placed.begin(), placed.end(), false) - placed.begin();
+            nodes[i]["parent"].fail("expected a tree of links that ends at `base`, found a cycle");
+        }
+    }
+    return order;
+}
+
+String resolvePath(const String& toolFile, const String& path)
+{
+    const bool absolute = path[0] == '/' || path[0] == '\\' || path.find(':') == 1;
+    return absolute ? path : utils::fs::join(utils::fs::getParent(toolFile), path);
+}
+
+/* Meshes of all links, decimated together. */
+void parseMeshes(const String& toolFile, const std::vector<TracedNode>& nodes, const std::vector<int>& order, double scale,
+                 int maxTriangles, ToolModel::Description& tool)
+{
+    std::vector<TracedNode> meshNodes;
+    std::vector<String> paths;
+    std::vector<Matx44d> link_T_mesh;
+    for (size_t i = 0; i < order.size(); ++i)
+    {
+        const TracedNode& node = nodes[order[i]];
+        if (!node.has("mesh") && !node.has("link_T_mesh"))
+            continue;
+        meshNodes.push_back(node["mesh"]);
+        paths.push_back(resolvePath(toolFile, node["mesh"].text()));
+        link_T_mesh.push_back(node.has("link_T_mesh") ? node["link_T_mesh"].rigid() : Matx44d::eye());
+        tool.links[i].mesh = (int)meshNodes.size() - 1;
+    }
+    tool.meshes.resize(meshNodes.size());
+    for (size_t i = 0; i < meshNodes.size(); ++i)
+    {
+        try
+        {
+            tool.meshes[i] = readMesh(paths[i], scale, link_T_mesh[i]);
+        }
+        catch (const cv::Exception& e)
+        {
+            meshNodes[i].fail(e.err, e.code);
+        }
+    }
+    if (maxTriangles)
+        decimateMeshes(tool.meshes, maxTriangles);
+    parallel_for_(Range(0, (int)tool.meshes.size()), [&](const Range& range)
+    {
+        for (int i = range.start; i < range.end; ++i)
+            computeNormals(tool.meshes[i]);
+    });
+}
+
+void parseLinks(const String& filename, const TracedNode& root, int maxTriangles, ToolModel::Description& tool)
+{
+    const std::vector<TracedNode> nodes = root["links"].sequence();
+    std::vector<ToolModel::Link> links;
+    std::vector<String> names;
+    for (size_t i = 0; i < nodes.size(); ++i)
+    {
+        links.push_back(parseLink(nodes[i], tool.coordinates));
+        if (links[i].name == "base")
+            nodes[i]["name"].fail("expected another name, `base` is what the first link hangs on");
+        names.push_back(newName(nodes[i]["name"], names));
+    }
+    const std::vector<int> order = parentsFirst(nodes, names);
+    names.clear();
+    for (size_t i = 0; i < order.size(); ++i)
+    {
+        tool.links.push_back(links[order[i]]);
+        tool.links[i].parent = indexOf(names, nodes[order[i]]["parent"].text());
+        names.push_back(tool.links[i].name);
+    }
+
+    const TracedNode endEffector = root["end_effector"].map({ "link", "link_T_end_effector" });
+    tool.endEffectorLink = knownName(endEffector["link"], names, "a link");
+    tool.link_T_endEffector = endEffector["link_T_end_effector"].rigid();
+
+    const std::vector<TracedNode> keypoints = root["keypoints"].sequence();
+    std::vector<String> keypointNames;
+    for (size_t i = 0; i < keypoints.size(); ++i)
+    {
+        keypoints[i].map({ "name", "link", "position" });
+        const TracedNode position = keypoints[i]["position"];
+        const std::vector<TracedNode> xyz = position.sequence();
+        if (xyz.size() != 3)
+            position.fail(format("expected three numbers, found %d", (int)xyz.size()));
+        ToolModel::Keypoint keypoint;
+        keypoint.name = newName(keypoints[i]["name"], keypointNames);
+        keypoint.link = knownName(keypoints[i]["link"], names, "a link");
+        keypoint.linkPoint = Point3d(xyz[0].number(), xyz[1].number(), xyz[2].number());
+        keypointNames.push_back(keypoint.name);
+        tool.keypoints.push_back(keypoint);
+    }
+
+    const double scale = root.has("mesh_scale") ? root["mesh_scale"].number() : 1;
+    if (scale <= 0)
+        root["mesh_scale"].fail("expected a positive number of metres per unit of the mesh files");
+    parseMeshes(filename, nodes, order, scale, maxTriangles, tool);
+}
+
+} // namespace
+
+Ptr<ToolModel> ToolModel::load(const String& filename, int maxTriangles)
+{
+    CV_CheckGE(maxTriangles, 0, "maxTriangles: 0 keeps all");
+    const TracedNode file(filename, String(), FileNode());
+    if (utils::fs::isDirectory(filename) || !std::ifstream(filename.c_str()))
+        file.fail("expected a tool file that can be read", Error::StsObjectNotFound);
+    FileStorage storage;
+    String error;
+    try
+    {
+        storage.open(filename, FileStorage::READ);
+    }
+    catch (const cv::Exception& e)
+    {
+        error = " (" + e.err + ")";
+    }
+    if (!storage.isOpened())
+        file.fail("expected a YAML, XML or JSON file of cv::FileStorage" + error);
+
+    const TracedNode root(filename, String(), storage.root());
+    root.map({ "name", "coordinates", "mesh_scale", "links", "end_effector", "keypoints" });
+    Description tool;
+    tool.name = root["name"].text();
+    const std::vector<TracedNode> coordinates = root["coordinates"].sequence();
+    for (size_t i = 0; i < coordinates.size(); ++i)
+        tool.coordinates.push_back(newName(coordinates[i], tool.coordinates));
+    parseLinks(filename, root, maxTriangles, tool);
+    return create(tool);
+}
+
+void ToolModel::save(const String& filename) const
+{
+    const String folder = utils::fs::join(utils::fs::getParent(filename), "meshes");
+    if (!description_.meshes.empty() && !utils::fs::createDirectories(folder))
+        CV_Error(Error::StsError, folder + ": cannot be made");
+    const size_t slash = filename.find_last_of("/\\");
+    const String base = slash == String::npos ? filename : filename.substr(slash + 1), stem = base.substr(0, base.find('.'));
+    for (size_t i = 0; i < description_.meshes.size(); ++i)
+        writePLY(utils::fs::join(folder, format("%s_%d.ply", stem.c_str(), (int)i)), description_.meshes[i]);
+
+    FileStorage file(filename, FileStorage::WRITE);
+    if (!file.isOpened())
+        CV_Error(Error::StsError, filename + ": cannot be written");
+    file << "name" << description_.name << "coordinates" << "[:";
+    for (size_t i = 0; i < description_.coordinates.size(); ++i)
+        file << description_.coordinates[i];
+    file << "]" << "mesh_scale" << 1 << "links" << "[";
+    for (size_t i = 0; i < description_.links.size(); ++i)
+    {
+        const Link& link = description_.links[i];
+        file << "{" << "name" << link.name << "parent" << (link.parent < 0 ? String("base") : description_.links[link.parent].name);
+        file << "joint" << "{:" << "type" << JOINT_NAMES[link.jointType];
+        if (link.jointType != JOINT_FIXED)
+            file << "coordinate" << description_.coordinates[link.coordinate] << "scale" << link.scale;
+        if (link.offsetDeviation >= 0)
+            file << "offset_deviation" << link.offsetDeviation;
+        file << "}" << "mdh" << "{:" << "alpha" << link.alpha << "a" << link.a << "theta" << link.theta << "d" << link.d << "}";
+        if (link.mesh >= 0)
+            file << "mesh" << format("meshes/%s_%d.ply", stem.c_str(), link.mesh);
+        file << "}";
+    }
+    file << "]" << "end_effector" << "{" << "link" << description_.links[description_.endEffectorLink].name;
+    file << "link_T_end_effector" << Mat(description_.link_T_endEffector) << "}" << "keypoints" << "[";
+    for (size_t i = 0; i < description_.keypoints.size(); ++i)
+    {
+        const Keypoint& k = description_.keypoints[i];
+        file << "{:" << "name" << k.name << "link" << description_.links[k.link].name << "position" << "[:";
+        file << k.linkPoint.x << k.linkPoint.y << k.linkPoint.z << "]" << "}";
+    }
+    file << "]";
+}
+
+}} // namespace cv::surgtrack

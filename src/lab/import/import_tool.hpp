@@ -1,0 +1,39 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_SRC_LAB_IMPORT_IMPORT_TOOL_HPP
+#define OPENCV_SURGTRACK_SRC_LAB_IMPORT_IMPORT_TOOL_HPP
+
+#include "opencv2/surgtrack/import.hpp"
+#include "files/text_file.hpp"
+
+// What the importers of tools share.
+
+namespace cv { namespace surgtrack {
+
+//! The multiple of pi / 12 an angle stands for if it differs by less than 1e-5 rad, as 1.5708 does from pi / 2; else the angle.
+double exactAngle(double angle);
+
+inline Matx44d rigidTransform(const Matx33d& R, const Vec3d& t)
+{
+    return Matx44d(R(0, 0), R(0, 1), R(0, 2), t[0], R(1, 0), R(1, 1), R(1, 2), t[1], R(2, 0), R(2, 1), R(2, 2), t[2], 0, 0, 0, 1);
+}
+
+/** A rigid transform as modified Denavit-Hartenberg transforms one after the other: one where that does, else two or three.
+Only alpha, a, theta and d of the links are filled in. */
+std::vector<ToolModel::Link> denavitHartenbergSteps(const Matx44d& T);
+
+//! Index of a link. @throws cv::Exception naming the source of the name and the links there are
+int findLink(const ToolModel::Description& tool, const String& name, const String& source);
+
+/** Meshes and keypoints that parts names itself.
+@param axes rotation of the meshes' axes in the link's frame */
+void addParts(const ToolParts& parts, const Matx33d& axes, ToolModel::Description& tool);
+
+//! Drops meshes that no link has.
+void dropUnusedMeshes(ToolModel::Description& tool);
+
+}} // namespace cv::surgtrack
+
+#endif

@@ -1,0 +1,64 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_SRC_LAB_SYNTHETIC_SYNTHETIC_ARM_HPP
+#define OPENCV_SURGTRACK_SRC_LAB_SYNTHETIC_SYNTHETIC_ARM_HPP
+
+#include "opencv2/surgtrack/synthetic.hpp"
+
+namespace cv { namespace surgtrack {
+
+// Independent streams of random numbers from one seed.
+enum Stream { STREAM_MOTION = 1, STREAM_HAND_EYE, STREAM_READING, STREAM_WHITE, STREAM_TISSUE, STREAM_SENSOR };
+
+RNG makeRng(int seed, Stream stream, uint64 index);
+
+inline Matx44d rigid(const Matx33d& R, const Vec3d& t)
+{
+    return Matx44d(R(0, 0), R(0, 1), R(0, 2), t[0], R(1, 0), R(1, 1), R(1, 2), t[1], R(2, 0), R(2, 1), R(2, 2), t[2], 0, 0, 0, 1);
+}
+
+//! A pendulum of two sines; whole periods in the length of the sequence.
+struct Motion
+{
+    double centre, amplitude;
+    int cycles[2];
+    double phases[2];
+    double at(double phase) const    // phase: 0..1 over the sequence
+    {
+        return centre + amplitude * (0.65 * std::sin(2 * CV_PI * (cycles[0] * phase + phases[0])) +
+                                     0.35 * std::sin(2 * CV_PI * (cycles[1] * phase + phases[1])));
+    }
+};
+
+/** An arm of the synthetic scene: where it stands, how it moves, and how its robot misreads it. */
+class SyntheticArm
+{
+public:
+    enum { COORDINATES = 7 };    // q1..q6 and jaw
+
+    //! @param tool index: arm 0 enters from the upper right, 1 from the upper left, 2 from the lower right, 3 from the lower left
+    SyntheticArm(const Ptr<ToolModel>& model, const SyntheticScene::Params& params, int tool);
+
+    std::vector<double> trueJoints(double time) const;
+    std::vector<double> recordedJoints(double time) const;
+
+    Matx44d camera_T_base, nominal_T_base;
+    int coordinates[COORDINATES];    //!< of the model: q1..q6 and jaw
+
+private:
+    void place();
+    void makeMotion();
+    double insertionFor(double reach) const;
+
+    Ptr<ToolModel> model_;
+    SyntheticScene::Params params_;
+    int tool_;
+    Motion motion_[COORDINATES];
+    double bias_[COORDINATES], drift_[COORDINATES], driftPhase_[COORDINATES];
+};
+
+}} // namespace cv::surgtrack
+
+#endif
