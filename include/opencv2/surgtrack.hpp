@@ -45,6 +45,7 @@ readings plus ToolEstimate::jointOffsets. With a right camera all poses are in t
 #include "opencv2/surgtrack/qgo.hpp"
 #include "opencv2/surgtrack/qgo_matcher.hpp"
 #include "opencv2/surgtrack/geometric_context.hpp"
+#include "opencv2/surgtrack/part_finder.hpp"
 #include "opencv2/surgtrack/tool_pose_ekf.hpp"
 #include "opencv2/surgtrack/contour.hpp"
 #include "opencv2/surgtrack/articulated_pose_ekf.hpp"

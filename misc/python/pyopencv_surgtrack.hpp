@@ -15,6 +15,7 @@ typedef cv::surgtrack::SyntheticScene::Params SyntheticScene_Params;
 typedef cv::surgtrack::ToolContour::Params ToolContour_Params;
 typedef cv::surgtrack::ToolPoseEKF::Params ToolPoseEKF_Params;
 typedef cv::surgtrack::ToolTracker::Params ToolTracker_Params;
+typedef cv::surgtrack::ToolTracker::Stages ToolTracker_Stages;
 
 typedef std::vector<cv::surgtrack::ContourPoint> vector_ContourPoint;
 typedef std::vector<cv::surgtrack::DrawnTool> vector_DrawnTool;

@@ -111,15 +111,7 @@ int PartTemplateRendererImpl::addTool(const Ptr<ToolModel>& model)
     CV_CheckLT(tools_.size(), size_t(255), "too many tools");
     Tool tool;
     tool.model = model;
-    tool.firstMesh = -1;
-    for (size_t i = 0; i < tools_.size(); i++)
-        if (tools_[i].model == model) tool.firstMesh = tools_[i].firstMesh;
-    if (tool.firstMesh < 0)
-        for (size_t i = 0; i < model->meshes().size(); i++)
-        {
-            const int handle = renderer_->addMesh(model->meshes()[i]);
-            if (i == 0) tool.firstMesh = handle;
-        }
+    tool.firstMesh = renderer_->addTool(model);
     const std::vector<ToolModel::Keypoint>& keypoints = model->keypoints();
     for (size_t i = 0; i < keypoints.size(); i++)
     {

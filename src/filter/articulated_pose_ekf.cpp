@@ -31,7 +31,7 @@ ArticulatedPoseEKF::Params::Params()
 
 namespace {
 
-const int maxOffsets = 10, maxStates = 6 + maxOffsets;
+const int maxStates = ArticulatedPoseEKF::MAX_STATES;
 // Bounded: no memory is taken. Not aligned: members of objects on the heap, where C++11 promises 16 bytes only.
 typedef Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign, maxStates, 1> Vector;
 typedef Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::DontAlign, maxStates, maxStates> Matrix;
@@ -69,15 +69,40 @@ void checkGrowth(double rotation, double translation)
     CV_Check(translation, translation >= 0 && translation < DBL_MAX, "translation must not be negative");
 }
 
-struct State
+// ArticulatedPoseEKF::Belief, to calculate with
+struct Estimate
 {
     Matx44d correction;
     std::vector<double> offsets;
     Matrix P;
-    Point3d centre;       // what omega turns about, in the camera frame
-    bool placed;          // whether the centre is that of a frame; before, P is about wherever the tool will be
+    Point3d centre;
+    bool placed;
     double nis;
 };
+
+void store(const Estimate& from, ArticulatedPoseEKF::Belief& to)
+{
+    to.correction = from.correction;
+    to.offsets.allocate(from.offsets.size());
+    std::copy(from.offsets.begin(), from.offsets.end(), to.offsets.data());
+    for (int r = 0; r < from.P.rows(); r++)
+        for (int c = 0; c < from.P.cols(); c++) to.covariance(r, c) = from.P(r, c);
+    to.centre = from.centre;
+    to.placed = from.placed;
+    to.nis = from.nis;
+}
+
+// Of the same size.
+void restore(const ArticulatedPoseEKF::Belief& from, Estimate& to)
+{
+    to.correction = from.correction;
+    to.offsets.assign(from.offsets.data(), from.offsets.data() + from.offsets.size());
+    for (int r = 0; r < to.P.rows(); r++)
+        for (int c = 0; c < to.P.cols(); c++) to.P(r, c) = from.covariance(r, c);
+    to.centre = from.centre;
+    to.placed = from.placed;
+    to.nis = from.nis;
+}
 
 class ArticulatedPoseEKFImpl CV_FINAL : public ArticulatedPoseEKF
 {
@@ -96,10 +121,14 @@ public:
                    double tolerance) CV_OVERRIDE;
     double surprise(double rotation, double translation) const CV_OVERRIDE;
     bool solve() CV_OVERRIDE;
-    void copyTo(ArticulatedPoseEKF& other) const CV_OVERRIDE;
+    State state() const CV_OVERRIDE;
+    void setState(const State& state) CV_OVERRIDE;
+    void setHandEye(const Matx44d& nominal_T_base) CV_OVERRIDE;
+    void moveCamera(const Matx44d& now_T_before) CV_OVERRIDE;
     const ToolView& view() const CV_OVERRIDE { return view_; }
     Matx44d correction() const CV_OVERRIDE { return state_.correction; }
     const std::vector<double>& offsets() const CV_OVERRIDE { return state_.offsets; }
+    const std::vector<double>& joints() const CV_OVERRIDE { return corrected_; }
     Mat covariance() const CV_OVERRIDE;
     double nis() const CV_OVERRIDE { return state_.nis; }
     Matx22d imageCovariance(const CameraModel& camera, const Matx44d& eye_T_camera, int part) const CV_OVERRIDE;
@@ -131,7 +160,7 @@ private:
     std::vector<double> corrected_;
     ToolView view_;
     std::vector<std::vector<Axis> > axes_;   // of a link: the joints that move it
-    State state_, predicted_;
+    Estimate state_, predicted_;
 
     Matrix A_;
     Vector b_;
@@ -434,15 +463,58 @@ bool ArticulatedPoseEKFImpl::solve()
     return true;
 }
 
-void ArticulatedPoseEKFImpl::copyTo(ArticulatedPoseEKF& _other) const
+ArticulatedPoseEKF::State ArticulatedPoseEKFImpl::state() const
 {
-    ArticulatedPoseEKFImpl* const other = dynamic_cast<ArticulatedPoseEKFImpl*>(&_other);
-    CV_Assert(other && other->model_ == model_ && "other: a filter of the same tool");
-    other->state_ = state_;
-    other->predicted_ = predicted_;
-    other->moved_ = moved_;
-    other->joints_ = joints_;
-    other->place();
+    State result;
+    result.model = model_;
+    result.nominal_T_base = nominal_T_base_;
+    result.joints.allocate(joints_.size());
+    std::copy(joints_.begin(), joints_.end(), result.joints.data());
+    store(predicted_, result.predicted);
+    store(state_, result.corrected);
+    for (int i = 0; i < n_; i++) result.moved[i] = moved_[i];
+    return result;
+}
+
+void ArticulatedPoseEKFImpl::setState(const State& state)
+{
+    CV_Assert(state.model == model_ && "state: of another tool");
+    nominal_T_base_ = state.nominal_T_base;
+    joints_.assign(state.joints.data(), state.joints.data() + state.joints.size());
+    restore(state.predicted, predicted_);
+    restore(state.corrected, state_);
+    for (int i = 0; i < n_; i++) moved_[i] = state.moved[i];
+    place();
+}
+
+void ArticulatedPoseEKFImpl::setHandEye(const Matx44d& nominal_T_base)
+{
+    CV_Assert(isRigid(nominal_T_base) && "nominal_T_base: rigid");
+    const Matx44d before_T_now = nominal_T_base_ * rigidInverse(nominal_T_base);
+    Estimate* const estimates[] = {&state_, &predicted_};
+    for (int i = 0; i < 2; i++) estimates[i]->correction = nearestRigid(estimates[i]->correction * before_T_now);
+    nominal_T_base_ = nominal_T_base;
+    place();
+}
+
+// The error (omega, v) is that of a motion in the camera frame: it turns with it.
+void ArticulatedPoseEKFImpl::moveCamera(const Matx44d& now_T_before)
+{
+    CV_Assert(isRigid(now_T_before) && "now_T_before: rigid");
+    Matrix T = Matrix::Identity(n_, n_);
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++) T(r, c) = T(3 + r, 3 + c) = now_T_before(r, c);
+    Estimate* const estimates[] = {&state_, &predicted_};
+    for (int i = 0; i < 2; i++)
+    {
+        Estimate& e = *estimates[i];
+        e.correction = nearestRigid(now_T_before * e.correction * rigidInverse(now_T_before));
+        e.centre = transform(now_T_before, e.centre);
+        e.P = (T * e.P * T.transpose()).eval();
+    }
+    moved_ = (T * moved_).eval();
+    nominal_T_base_ = nearestRigid(now_T_before * nominal_T_base_);
+    place();
 }
 
 Mat ArticulatedPoseEKFImpl::covariance() const

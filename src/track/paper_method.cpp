@@ -2,134 +2,232 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
-#include "track/tool_tracker.hpp"
+#include "precomp.hpp"
+#include "track/paper_method.hpp"
 
 namespace cv { namespace surgtrack {
 
-namespace {
-
-const int hypotheses = 9;   // of scale and rotation
-
-// Plausible errors of a hand-eye calibration; a first pose beyond them is a false one.
-const double maxCorrectionAngle = 15 * CV_PI / 180;
-const double maxCorrectionShift = 0.03;     // [m], at the tool
-const double maxReprojectionError = 8;      // [pixel at 720 px image width]
-
-double rotationAngle(const Matx44d& T)
+PaperMethod::PaperMethod(int index, const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const ToolTracker::Params& params, double pixelScale,
+                         const CameraModel& camera, const ToolPoseEKF::Params& filter)
+    : ToolMethod(index, model, nominal_T_base, params, pixelScale), camera_(camera), filter_(ToolPoseEKF::create(camera, filter))
 {
-    return std::acos(std::min(1., std::max(-1., (T(0, 0) + T(1, 1) + T(2, 2) - 1) / 2)));
+    const size_t parts = model->keypoints().size();
+    nominalInliers_.reserve(parts);
+    imageInliers_.reserve(parts);
+    used_.reserve(parts);
+    windows_.deviations.reserve(parts);
+    windows_.expected.reserve(parts);
+    reset();
 }
 
-} // namespace
-
-// The first pose: all hypotheses at once.
-bool ToolTrackerImpl::start(int index)
+void PaperMethod::reset()
 {
-    return initialize(index, 0, hypotheses - 1);
+    ToolMethod::reset();
+    filter_->reset(Matx44d::eye());
+    trusted_ = Matx44d::eye();
+    hypothesis_ = 0;
 }
 
-// A lost tool is looked for in a wider window, by one hypothesis a frame.
-bool ToolTrackerImpl::search(int index)
+const ToolView& PaperMethod::predict(const std::vector<double>& joints)
 {
-    int& hypothesis = tools_[index].hypothesis;
-    hypothesis = (hypothesis + 1) % hypotheses;
-    return initialize(index, hypothesis, hypothesis);
+    model_->forwardKinematics(joints, view_.base_T_link);
+    view_.camera_T_base = correction_ * nominal_T_base_;
+    return view_;
 }
 
-bool ToolTrackerImpl::plausible(const TrackedTool& tool, const Matx44d& correction) const
+void PaperMethod::setCorrection(const Matx44d& correction)
 {
-    Point3d centre;
-    for (size_t i = 0; i < tool.nominalPoints.size(); i++) centre += tool.nominalPoints[i] * (1. / tool.nominalPoints.size());
-    if (rotationAngle(correction) > maxCorrectionAngle || norm(transform(correction, centre) - centre) > maxCorrectionShift) return false;
-    if (tool.inliers.empty()) return true;
-    double sum = 0;
-    for (size_t i = 0; i < tool.inliers.size(); i++)
+    correction_ = correction;
+    filter_->reset(correction);
+}
+
+void PaperMethod::gather()
+{
+    nominalInliers_.clear();
+    imageInliers_.clear();
+    for (size_t i = 0; i < inliers_.size(); i++)
     {
-        const Point3d p = transform(correction, tool.nominalPoints[tool.inliers[i].part]);
-        if (p.z < 1e-3) return false;
-        const Point2d d = eyes_[0].camera.project(p) - tool.inliers[i].imagePoint;
-        sum += d.dot(d);
+        nominalInliers_.push_back(nominalPoints_[inliers_[i].part]);
+        imageInliers_.push_back(inliers_[i].imagePoint);
     }
-    return std::sqrt(sum / double(tool.inliers.size())) < maxReprojectionError * pixelScale_;
 }
 
-// Several scales and rotations about the kinematics' pose (paper, Sec. 2.1), the best agreement goes to EPnP (Sec. 2.3).
-// first, last: which of the nine hypotheses
-bool ToolTrackerImpl::initialize(int index, int first, int last)
+void PaperMethod::measure(Scene& scene, const PartDrawing* ahead)
 {
-    static const double scales[] = {1, 0.8, 1.2}, rotations[] = {0, -15 * CV_PI / 180, 15 * CV_PI / 180};
-    TrackedTool& tool = tools_[index];
-    Eye& eye = eyes_[0];
-    const double distance = transform(tool.correction, tool.nominalPoints[0]).z;
-    const double halfWindow = params_.initialWindow * std::max(eye.camera.fx, eye.camera.fy) / std::max(distance, 0.02);
-    tool.inliers.clear();
-    double bestScore = 0;
-    for (int i = first; i <= last; i++)
+    bool seen = starts() ? start(scene, 0, hypotheses - 1) : follow(scene, ahead);
+    if (!seen && state_ == STATE_LOST)   // in a wider window, by one hypothesis a frame
     {
-        const std::vector<PartTemplate>& templates = draw(index, eye, scales[i / 3], rotations[i % 3], true);
-        locate(index, eye, templates, halfWindow, true);
-        if (i == first) tool.visibleParts = int(templates.size());
-        double score = 0;
-        for (size_t k = 0; k < eye.inliers.size(); k++) score += eye.inliers[k].similarity;
-        if (score <= bestScore) continue;
-        bestScore = score;
-        tool.inliers = eye.inliers;
-        tool.visibleParts = int(templates.size());
+        hypothesis_ = (hypothesis_ + 1) % hypotheses;
+        seen = start(scene, hypothesis_, hypothesis_);
     }
+    conclude(scene, seen);
+    view_.camera_T_base = correction_ * nominal_T_base_;
+}
+
+// One template a part at the last correction, then the filter (paper, Sec. 2.3).
+bool PaperMethod::follow(Scene& scene, const PartDrawing* ahead)
+{
+    const bool filtered = params_.method == METHOD_PAPER;
+    if (filtered) filter_->predict();
+    const Sight& sight = sights_[0];
+    windows_.halfWidth = minWindow();
+    windows_.deviations.clear();
+    windows_.expected.clear();
+    for (size_t k = 0; filtered && k < nominalPoints_.size(); k++)
+    {
+        const Matx22d C = filter_->imageCovariance(nominalPoints_[k]);
+        windows_.deviations.push_back(Point2d(std::sqrt(C(0, 0)), std::sqrt(C(1, 1))));
+    }
+    if (ahead) lookAhead(scene, *ahead, windows_);
+    else look(scene, 0, view_, windows_, false);
+    inliers_ = sight.found.inliers;
+    visibleParts_ = int(sight.cut->templates.size());
+    if (inliers_.empty()) return false;
+
+    StageTimer timer(scene.times, FILTER);
+    gather();
+    if (filtered) return correct();
     Matx44d correction;
+    if (!solveEPnP(camera_, nominalInliers_, imageInliers_, correction) || !plausible(camera_, correction, inliers_)) return false;
+    correction_ = correction;
+    return true;
+}
+
+// The filter after the points gathered.
+bool PaperMethod::correct()
+{
+    if (!(settles() && correctFromHandEye()) && !filter_->correct(nominalInliers_, imageInliers_, used_)) return false;
+    size_t kept = 0;
+    for (size_t i = 0; i < used_.size(); i++)
+        if (used_[i]) inliers_[kept++] = inliers_[i];
+    inliers_.resize(kept);
+    // A lost tool is found again on the evidence of a start, and none where no calibration error could have put it.
+    const bool found = state_ != STATE_LOST
+                       || (int(kept) >= params_.minInitialInliers && meanSimilarity(inliers_) >= params_.minInitialSimilarity);
+    if (!found || !plausible(camera_, filter_->correction(), inliers_))
     {
-        StageTimer timer(times_, FILTER);
-        gather(tool);
-        if (tool.inliers.empty() || !solveEPnP(eye.camera, nominalPoints_, imagePoints_, correction, maxReprojectionError * pixelScale_)
-            || !plausible(tool, correction))
-        {
-            tool.inliers.clear();
-            return false;
-        }
+        filter_->reset(correction_);
+        return false;
     }
-    const Matx44d before = tool.correction;
-    tool.filter->reset(correction);
-    tool.correction = correction;
-    if (params_.method == METHOD_EPNP || startFromHandEye(index)) return true;
-    tool.correction = before;
-    tool.filter->reset(before);
-    tool.inliers.clear();
+    correction_ = filter_->correction();
+    evidence_.nis = filter_->nis();
+    return true;
+}
+
+/* The filter after the points of this frame and the hand-eye calibration, whose error is of a known size, and nothing else.
+   Returns false for points that such a calibration does not explain, as after a move of the camera: then at the last correction. */
+bool PaperMethod::correctFromHandEye()
+{
+    filter_->reset(calibration_);
+    if (filter_->correct(nominalInliers_, imageInliers_, used_) && 2 * countNonZero(used_) > int(used_.size())) return true;
+    filter_->reset(correction_);
     return false;
 }
 
-// The filter after the points of this frame and the hand-eye calibration, whose error is of a known size, and nothing else.
-// Returns false for points that such a calibration does not explain, as after a move of the camera: then at the last correction.
-bool ToolTrackerImpl::correctFromHandEye(TrackedTool& tool)
+// Several scales and rotations about the kinematics' pose (paper, Sec. 2.1), the best agreement goes to EPnP (Sec. 2.3).
+bool PaperMethod::start(Scene& scene, int first, int last)
 {
-    tool.filter->reset(Matx44d::eye());
-    if (tool.filter->correct(nominalPoints_, imagePoints_, used_) && 2 * countNonZero(used_) > int(used_.size())) return true;
-    tool.filter->reset(tool.correction);
+    std::vector<StartCandidate> best(1);
+    visibleParts_ = findStarts(scene, first, last, view_, transform(correction_, nominalPoints_[0]).z, best);
+    inliers_ = best[0].inliers;
+    if (!inliers_.empty()) visibleParts_ = best[0].templates;
+    Matx44d correction;
+    {
+        StageTimer timer(scene.times, FILTER);
+        gather();
+        if (inliers_.empty() || !solveEPnP(camera_, nominalInliers_, imageInliers_, correction, maxReprojectionError())
+            || !plausible(camera_, correction, inliers_))
+            return false;
+    }
+    const Matx44d before = correction_;
+    setCorrection(correction);
+    if (params_.method == METHOD_EPNP || startFromHandEye(scene)) return true;
+    setCorrection(before);
     return false;
 }
 
 /* The paper's filter starts from EPnP's pose, whose depth is off by 5 mm and more, and from templates of another scale. Ours takes
    the same points in from the hand-eye calibration and looks again with templates that fit.
    Returns whether the tool then looks as it should; tissue does not. */
-bool ToolTrackerImpl::startFromHandEye(int index)
+bool PaperMethod::startFromHandEye(Scene& scene)
 {
-    TrackedTool& tool = tools_[index];
-    Eye& eye = eyes_[0];
     for (int pass = 0; pass < 3; pass++)
     {
         if (pass > 0)
         {
-            views_[index].camera_T_base = tool.correction * tool.nominal_T_base;
-            const std::vector<PartTemplate>& templates = draw(index, eye);
-            locate(index, eye, templates, params_.minWindow * pixelScale_, true);
-            if (eye.inliers.empty()) return false;
-            tool.inliers = eye.inliers;
-            tool.visibleParts = int(templates.size());
+            view_.camera_T_base = correction_ * nominal_T_base_;
+            look(scene, 0, view_, PartWindows(minWindow()), true);
+            if (sights_[0].found.inliers.empty()) return false;
+            inliers_ = sights_[0].found.inliers;
+            visibleParts_ = int(sights_[0].drawing.templates.size());
         }
-        StageTimer timer(times_, FILTER);
-        gather(tool);
-        if (correctFromHandEye(tool)) tool.correction = tool.filter->correction();
+        StageTimer timer(scene.times, FILTER);
+        gather();
+        if (correctFromHandEye()) correction_ = filter_->correction();
     }
-    return meanSimilarity(tool.inliers) >= params_.minInitialSimilarity && plausible(tool, tool.correction);
+    return meanSimilarity(inliers_) >= params_.minInitialSimilarity && plausible(camera_, correction_, inliers_);
+}
+
+// The state after a frame.
+void PaperMethod::conclude(const Scene& scene, bool seen)
+{
+    if (seen)
+    {
+        lastSeen_ = scene.time;
+        confirmed_++;
+        if (confirmed_ > params_.confirmFrames)
+        {
+            state_ = STATE_TRACKING;
+            trusted_ = correction_;
+        }
+    }
+    else
+    {
+        if (state_ == STATE_TRACKING) state_ = STATE_COASTING;
+        if (state_ == STATE_COASTING && scene.time - lastSeen_ > params_.coastingTime) state_ = STATE_LOST;
+        if (state_ != STATE_COASTING && confirmed_ > 0)
+        {
+            confirmed_ = 0;
+            setCorrection(trusted_);
+        }
+        inliers_.clear();
+        evidence_.nis = 0;
+    }
+    evidence_.similarity = meanSimilarity(inliers_);
+}
+
+// A calibration that is another one is as good a beginning as the last was; what was tracked stays where it is.
+void PaperMethod::setHandEye(const Matx44d& nominal_T_base)
+{
+    const Matx44d before_T_now = nominal_T_base_ * rigidInverse(nominal_T_base);
+    nominal_T_base_ = nominal_T_base;
+    calibration_ = Matx44d::eye();
+    trusted_ = nearestRigid(trusted_ * before_T_now);
+    setCorrection(starts() ? calibration_ : nearestRigid(correction_ * before_T_now));
+}
+
+void PaperMethod::moveCamera(const Matx44d& now_T_before)
+{
+    const Matx44d before_T_now = rigidInverse(now_T_before);
+    nominal_T_base_ = nearestRigid(now_T_before * nominal_T_base_);
+    calibration_ = now_T_before * calibration_ * before_T_now;
+    trusted_ = nearestRigid(now_T_before * trusted_ * before_T_now);
+    setCorrection(nearestRigid(now_T_before * correction_ * before_T_now));
+}
+
+void PaperMethod::inherit(const ToolMethod& other)
+{
+    calibration_ = trusted_ = other.isLocated() ? other.correction() : other.calibration();
+    setCorrection(calibration_);
+}
+
+void PaperMethod::report(ToolEstimate& e) const
+{
+    ToolMethod::report(e);
+    e.covariance = Matx66d::zeros();
+    if (params_.method != METHOD_PAPER) return;
+    const Matx44d nominal_T_tool = nominal_T_base_ * model_->endEffectorFromLinks(view_.base_T_link);
+    e.covariance = filter_->poseCovariance(Point3d(nominal_T_tool(0, 3), nominal_T_tool(1, 3), nominal_T_tool(2, 3)));
 }
 
 }} // namespace cv::surgtrack

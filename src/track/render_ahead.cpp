@@ -2,22 +2,14 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
+#include "precomp.hpp"
 #include "track/render_ahead.hpp"
 
 namespace cv { namespace surgtrack {
 
-RenderAhead::RenderAhead(const CameraModel& camera, const std::vector<Ptr<ToolModel> >& models, bool wholeTools)
-    : camera_(camera), wholeTools_(wholeTools), stop_(false)
+RenderAhead::RenderAhead(const Ptr<PartFinder>& finder, int tools) : finder_(finder), stop_(false)
 {
-    PartTemplateRenderer::Params params;
-    params.wholeTool = wholeTools;
-    renderer_ = PartTemplateRenderer::create(Ptr<MeshRenderer>(), params);
-    for (size_t i = 0; i < models.size(); i++) renderer_->addTool(models[i]);
-    for (int i = 0; i < 3; i++) 
-    {
-        slots_[i].templates.resize(models.size());
-        slots_[i].renderings.resize(models.size());
-    }
+    for (int i = 0; i < 3; i++) slots_[i].drawings.resize(tools);
     requests_[EARLIER] = requests_[NEWEST] = 0;
     thread_ = std::thread(&RenderAhead::run, this);
 }
@@ -107,15 +99,11 @@ void RenderAhead::run()
         lock.unlock();
         try
         {
-            for (size_t i = 0; i < slot->templates.size(); i++)
+            for (size_t i = 0; i < slot->drawings.size(); i++)
             {
-                if (slot->views[i].base_T_link.empty())   // may be anywhere
-                {
-                    slot->templates[i].clear();
-                    continue;
-                }
-                renderer_->render(camera_, slot->views, int(i), slot->templates[i]);
-                if (wholeTools_) renderer_->swapRendering(slot->renderings[i]);
+                PartDrawing& drawing = slot->drawings[i];
+                if (slot->views[i].base_T_link.empty()) drawing.templates.clear();   // may be anywhere
+                else finder_->draw(slot->views, int(i), drawing);
             }
         }
         catch (...)

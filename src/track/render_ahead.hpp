@@ -5,7 +5,7 @@
 #ifndef OPENCV_SURGTRACK_SRC_TRACK_RENDER_AHEAD_HPP
 #define OPENCV_SURGTRACK_SRC_TRACK_RENDER_AHEAD_HPP
 
-#include "precomp.hpp"
+#include "opencv2/surgtrack/part_finder.hpp"
 
 #include <condition_variable>
 #include <exception>
@@ -14,12 +14,11 @@
 
 namespace cv { namespace surgtrack {
 
-//! Templates of all tools, with the views they are drawn from as their stamp.
+//! Drawings of all tools, with the views they are drawn from as their stamp.
 struct TemplateSet
 {
     std::vector<ToolView> views;
-    std::vector<std::vector<PartTemplate> > templates;   // a tool
-    std::vector<Rendering> renderings;                   // a tool; of whole tools only
+    std::vector<PartDrawing> drawings;   // a tool
 };
 
 /** Draws part templates in a thread of its own.
@@ -31,7 +30,8 @@ class RenderAhead
 public:
     enum Request { EARLIER = 0, NEWEST = 1 };   // of the frame before, of this frame
 
-    RenderAhead(const CameraModel& camera, const std::vector<Ptr<ToolModel> >& models, bool wholeTools = false);
+    //! @param finder draws; knows so many tools, and is the thread's from now on
+    RenderAhead(const Ptr<PartFinder>& finder, int tools);
     ~RenderAhead();
 
     //! Takes the place of an earlier request of this frame. Does not wait.
@@ -63,9 +63,7 @@ private:
     Slot* nextJob();
     void drop(Request which);
 
-    CameraModel camera_;
-    Ptr<PartTemplateRenderer> renderer_;   // the thread's
-    bool wholeTools_;
+    Ptr<PartFinder> finder_;   // the thread's
     Slot slots_[3];         // two requests, and one dropped while it is drawn
     Slot* requests_[2];
     bool stop_;

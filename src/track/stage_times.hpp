@@ -5,7 +5,8 @@
 #ifndef OPENCV_SURGTRACK_SRC_TRACK_STAGE_TIMES_HPP
 #define OPENCV_SURGTRACK_SRC_TRACK_STAGE_TIMES_HPP
 
-#include "precomp.hpp"
+#include "opencv2/core/utility.hpp"
+#include "opencv2/surgtrack/tool_tracker.hpp"
 
 namespace cv { namespace surgtrack {
 

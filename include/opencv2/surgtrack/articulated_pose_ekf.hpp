@@ -37,6 +37,30 @@ public:
         CV_PROP_RW double contourCorrelation;   //!< so many neighbouring contour points tell as much as one
     };
 
+    enum { MAX_OFFSETS = 10, MAX_STATES = 6 + MAX_OFFSETS };
+
+    //! What is believed of a tool: state and covariance.
+    struct CV_EXPORTS Belief
+    {
+        Matx44d correction;                    //!< camera_T_nominal
+        AutoBuffer<double, 16> offsets;        //!< a coordinate [rad or m]
+        Matx<double, MAX_STATES, MAX_STATES> covariance;   //!< of (omega, v, d); its upper left part is used
+        Point3d centre;                        //!< c, in the camera frame [m]
+        bool placed;                           //!< whether the centre is that of a frame; before, P is about wherever the tool will be
+        double nis;                            //!< see ArticulatedPoseEKF::nis()
+    };
+
+    /** @brief All that the filter knows, as a value: `const State before = filter->state(); ... filter->setState(before);`. Copying it takes
+    no memory from the heap with up to sixteen coordinates. */
+    struct CV_EXPORTS State
+    {
+        Ptr<ToolModel> model;
+        Matx44d nominal_T_base;                //!< the hand-eye calibration
+        AutoBuffer<double, 16> joints;         //!< readings of the frame [rad or m]
+        Belief predicted, corrected;           //!< after predict(), and after the last solve() since
+        Vec<double, MAX_STATES> moved;         //!< from one to the other
+    };
+
     /** @param model the tool
     @param nominal_T_base the hand-eye calibration
     @param params noise and gate */
@@ -99,11 +123,24 @@ public:
     CV_WRAP virtual bool solve() = 0;
     //! @}
 
+    //! All that is known.
+    virtual State state() const = 0;
+    //! Makes this filter what it, or another of the same tool, was. @param state what state() gave
+    virtual void setState(const State& state) = 0;
+
     //! Makes another filter of the same tool what this one is.
-    virtual void copyTo(ArticulatedPoseEKF& other) const = 0;
+    void copyTo(ArticulatedPoseEKF& other) const { other.setState(state()); }
 
     /** @brief Makes another filter of the same tool what this one is. @param other changes */
     CV_WRAP void copyTo(const Ptr<ArticulatedPoseEKF>& other) const;
+
+    /** @brief The calibration is another one: the tool, and what is known of its place, stay where they are, so the correction changes.
+    @param nominal_T_base rigid */
+    CV_WRAP virtual void setHandEye(const Matx44d& nominal_T_base) = 0;
+
+    /** @brief The camera has moved, and everything moves in its frame: the tool, its covariance, and where the calibration has the base.
+    @param now_T_before pose of the camera before the move in the frame of the one after it, rigid */
+    CV_WRAP virtual void moveCamera(const Matx44d& now_T_before) = 0;
 
     /** @brief The tool as it is believed to be. */
     CV_WRAP virtual const ToolView& view() const = 0;
@@ -111,6 +148,8 @@ public:
     CV_WRAP virtual Matx44d correction() const = 0;
     /** @brief One per coordinate, to be added to the reading [rad or m]. */
     CV_WRAP virtual const std::vector<double>& offsets() const = 0;
+    /** @brief One per coordinate: the readings with their offsets, and no jaw beyond its stop [rad or m]. */
+    CV_WRAP virtual const std::vector<double>& joints() const = 0;
     /** @brief CV_64F, of (omega, v, d). */
     CV_WRAP virtual Mat covariance() const = 0;
     /** @brief Normalised innovation squared of the last solve(), per degree of freedom. */

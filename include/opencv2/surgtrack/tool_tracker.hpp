@@ -5,9 +5,7 @@
 #ifndef OPENCV_SURGTRACK_TOOL_TRACKER_HPP
 #define OPENCV_SURGTRACK_TOOL_TRACKER_HPP
 
-#include "opencv2/surgtrack/part_templates.hpp"
-#include "opencv2/surgtrack/qgo_matcher.hpp"
-#include "opencv2/surgtrack/geometric_context.hpp"
+#include "opencv2/surgtrack/part_finder.hpp"
 #include "opencv2/surgtrack/tool_pose_ekf.hpp"
 #include "opencv2/surgtrack/articulated_pose_ekf.hpp"
 
@@ -46,6 +44,7 @@ struct CV_EXPORTS_W_SIMPLE ToolEstimate
     CV_PROP Matx44d camera_T_nominal;    //!< the correction of the hand-eye calibration
     CV_PROP Matx66d covariance;          //!< of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame; zero with METHOD_EPNP
     CV_PROP std::vector<double> jointOffsets;   //!< METHOD_FULL: one per coordinate, what is added to the reading [rad or m], and 0 where ToolModel::offsetDeviations() is; else zeros
+    CV_PROP std::vector<double> joints;  //!< the joints the pose is of, one per coordinate [rad or m]: the readings plus jointOffsets, and no jaw beyond its stop
     CV_PROP int visibleParts;            //!< parts that had a template, in the left image
     CV_PROP int inliers;                 //!< matches in the left image that agreed on the geometric context and went into the pose; 0 if nothing was measured, or METHOD_FULL followed the outline alone
     CV_PROP double similarity;           //!< mean similarity of the inliers, 0..1; 0 without inliers
@@ -65,6 +64,16 @@ struct CV_EXPORTS_W_SIMPLE StageTime
     CV_PROP double mean;   //!< [s]
     CV_PROP double min;    //!< [s]
     CV_PROP double max;    //!< [s]
+};
+
+//! What the last update() looked at of a tool with one eye, and what it saw there: of the last pose it tried. For pictures.
+struct CV_EXPORTS ToolSight
+{
+    CameraModel camera;                      //!< of all points below: of the reduced image, see PartFinder
+    std::vector<ToolView> views;             //!< of all tools, as they were drawn, in the frame of this eye; none if drawn ahead
+    std::vector<PartTemplate> templates;     //!< that were looked for; none if drawn ahead
+    FoundParts found;                        //!< windows, candidates and inliers
+    std::vector<ContourPoint> outline;       //!< METHOD_FULL: at the pose, with the edges that contourSupport is counted from
 };
 
 /** @brief Finds the pose of articulated tools in the camera from video and joint readings.
@@ -98,7 +107,12 @@ METHOD_FULL, per frame:
 Images 1440 pixels wide and more are reduced by a whole number first, since gradients and tolerances are made for pixels of an
 image about 720 wide.
 
-Each tool has a state of its own. The result depends on the input alone: same images, times and joints, same estimates. */
+Each tool has a state of its own. The result depends on the input alone: same images, times and joints, same estimates.
+
+**Threads.** One thread at a time may call a tracker; different trackers do not know of each other. renderAhead() has the only thread
+of its own. **Cost**, some 720 pixels wide: update() takes milliseconds (doc/performance.md), ten times as long where a tool is sought;
+addTool(), replaceTool(), removeTool() and setRightCamera() milliseconds; all others microseconds. **Messages** go to OpenCV's log at the
+level debug: none by default. */
 class CV_EXPORTS_W ToolTracker
 {
 public:
@@ -118,7 +132,29 @@ public:
         CV_PROP_RW int seed;                   //!< of all random choices
     };
 
-    CV_WRAP static Ptr<ToolTracker> create(const CameraModel& camera, const ToolTracker::Params& params = ToolTracker::Params());
+    /** @brief Parameters of the stages that a tracker is made of. Pixels are those of an image 720 pixels wide. What a method or
+    Params decide is overruled: wholeTool of templates (METHOD_FULL), seed and minInliers of the verifier, its zones and limits
+    (METHOD_PAPER, METHOD_EPNP), halfWindow of edges. */
+    struct CV_EXPORTS_W_SIMPLE Stages
+    {
+        CV_WRAP Stages();
+        CV_PROP_RW PartTemplateRenderer::Params templates;
+        CV_PROP_RW QGOMatcher::Params matcher;
+        CV_PROP_RW GeometricContextVerifier::Params verifier;
+        CV_PROP_RW ToolPoseEKF::Params paperFilter;       //!< METHOD_PAPER
+        CV_PROP_RW ArticulatedPoseEKF::Params filter;     //!< METHOD_FULL
+        CV_PROP_RW ToolContour::Params contour;           //!< METHOD_FULL
+        CV_PROP_RW ContourSearch edges;                   //!< METHOD_FULL
+    };
+
+    /** @param camera the left one, or the only one
+    @param params what is tracked, and how
+    @param stages how its stages work
+    @param renderer draws the tools, for both eyes; must not be used by anyone else meanwhile. None: MeshRenderer::createSoftware().
+    The second thread of renderAhead() has a software renderer of its own */
+    CV_WRAP static Ptr<ToolTracker> create(const CameraModel& camera, const ToolTracker::Params& params = ToolTracker::Params(),
+                                           const ToolTracker::Stages& stages = ToolTracker::Stages(),
+                                           const Ptr<MeshRenderer>& renderer = Ptr<MeshRenderer>());
 
     virtual ~ToolTracker() {}
 
@@ -169,8 +205,30 @@ public:
     update() that asks for the templates, this or the next one; the tracker's state is then unchanged, and the request gone */
     CV_WRAP virtual void renderAhead(const std::vector<std::vector<double> >& joints) = 0;
 
-    /** @brief Forgets what was learnt of a tool, as after a change of instrument. @param tool index; -1 = all */
+    /** @brief Another instrument is on the arm. What was learnt of the calibration stays and is where the search begins; offsets of
+    joints, which are the instrument's, are forgotten. Makes the drawing of all tools anew: some milliseconds and more for a large CAD.
+    @param tool index, stays the same
+    @param model the new one */
+    CV_WRAP virtual void replaceTool(int tool, const Ptr<ToolModel>& model) = 0;
+
+    /** @brief A tool is gone. @param tool index; those of the tools after it fall by one */
+    CV_WRAP virtual void removeTool(int tool) = 0;
+
+    /** @brief There is another hand-eye calibration. The pose of a tool that is tracked stays as it is; one without a pose begins anew.
+    @param tool index
+    @param nominal_T_base as for addTool() */
+    CV_WRAP virtual void setHandEye(int tool, const Matx44d& nominal_T_base) = 0;
+
+    /** @brief The camera has moved since the last frame, and it is known how: a da Vinci's camera arm has joints, too. All poses, and all
+    calibrations, move in its frame; the next frame goes on from there. Moves that are not told are found, too, if they are small.
+    @param now_T_before pose of the camera at the last frame in its frame now [m] */
+    CV_WRAP virtual void moveCamera(const Matx44d& now_T_before) = 0;
+
+    /** @brief Forgets what was learnt of a tool. @param tool index; -1 = all */
     CV_WRAP virtual void reset(int tool = -1) = 0;
+
+    //! What was looked at in the last update(). @param tool index @param eye 0 = left, 1 = right; copies
+    virtual ToolSight sight(int tool, int eye = 0) const = 0;
 
     /** @brief Times of the stages since the first frame or the last resetTimings(), in the order of the data flow; `total` comes last. */
     CV_WRAP virtual std::vector<StageTime> getTimings() const = 0;

@@ -2,7 +2,11 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
+#include "precomp.hpp"
 #include "track/tool_tracker.hpp"
+#include "track/view_change.hpp"
+
+// The tracker's side of renderAhead().
 
 namespace cv { namespace surgtrack {
 
@@ -18,14 +22,6 @@ const double maxZoom = 0.02;
 // A set that is surely drawn by now is as good as one that is nearer by less than this.
 const double clearlyNearer = 1;   // [pixel]
 
-double turn(const Matx44d& A, const Matx44d& B)
-{
-    double sum = 0;
-    for (int r = 0; r < 3; r++)
-        for (int c = 0; c < 3; c++) sum += A(r, c) * B(r, c);
-    return std::acos(std::min(1., std::max(-1., (sum - 1) / 2)));
-}
-
 } // namespace
 
 void ToolTrackerImpl::renderAhead(const std::vector<std::vector<double> >& joints)
@@ -33,16 +29,15 @@ void ToolTrackerImpl::renderAhead(const std::vector<std::vector<double> >& joint
     checkJoints(joints);
     if (!ahead_)
     {
-        std::vector<Ptr<ToolModel> > models;
-        for (size_t i = 0; i < tools_.size(); i++) models.push_back(tools_[i].model);
-        ahead_ = makePtr<RenderAhead>(eyes_[0].camera, models, params_.method == METHOD_FULL);
+        ahead_ = makePtr<RenderAhead>(makeFinder(cameras_[0], MeshRenderer::createSoftware()), int(tools_.size()));
         aheadViews_.resize(tools_.size());
     }
     for (size_t i = 0; i < tools_.size(); i++)
     {
-        tools_[i].model->forwardKinematics(joints[i], aheadViews_[i].base_T_link);
-        aheadViews_[i].camera_T_base = tools_[i].correction * tools_[i].nominal_T_base;
-        if (!tools_[i].isLocated()) aheadViews_[i].base_T_link.clear();
+        const ToolMethod& tool = *tools_[i];
+        tool.model()->forwardKinematics(joints[i], aheadViews_[i].base_T_link);
+        aheadViews_[i].camera_T_base = tool.correction() * tool.nominal_T_base();
+        if (!tool.isLocated()) aheadViews_[i].base_T_link.clear();
     }
     ahead_->request(aheadViews_);
 }
@@ -51,24 +46,15 @@ void ToolTrackerImpl::renderAhead(const std::vector<std::vector<double> >& joint
 double ToolTrackerImpl::shiftSince(const std::vector<ToolView>* drawn) const
 {
     if (!drawn) return DBL_MAX;
-    const CameraModel& camera = eyes_[0].camera;
+    const double scale = scene_.eyes[0]->pixelScale();
     double largest = 0;
     for (size_t i = 0; i < tools_.size(); i++)
     {
-        if (!tools_[i].usesDrawnAhead()) continue;
+        if (!tools_[i]->usesDrawnAhead()) continue;
         if ((*drawn)[i].base_T_link.empty()) return DBL_MAX;   // it was not known where it is
-        const std::vector<ToolModel::Keypoint>& keypoints = tools_[i].model->keypoints();
-        for (size_t k = 0; k < keypoints.size(); k++)
-        {
-            const Matx44d now = views_[i].camera_T_base * views_[i].base_T_link[keypoints[k].link];
-            const Matx44d then = (*drawn)[i].camera_T_base * (*drawn)[i].base_T_link[keypoints[k].link];
-            const Point3d p = transform(now, keypoints[k].linkPoint), q = transform(then, keypoints[k].linkPoint);
-            if (p.z < 1e-3 || !eyes_[0].field.contains(Point2d(p.x / p.z, p.y / p.z))) continue;
-            const double shift = std::max(camera.fx * std::abs(p.x / p.z - q.x / q.z), camera.fy * std::abs(p.y / p.z - q.y / q.z));
-            // Written so that a value that is not a number does not pass.
-            if (!(shift <= maxShift * pixelScale_ && turn(now, then) <= maxTurn && std::abs(q.z / p.z - 1) <= maxZoom)) return DBL_MAX;
-            largest = std::max(largest, shift);
-        }
+        const ViewChange change = viewChange(scene_.camera(), *tools_[i]->model(), tools_[i]->view(), (*drawn)[i], &field_);
+        if (!(change.shift <= maxShift * scale && change.turn <= maxTurn && change.zoom <= maxZoom)) return DBL_MAX;
+        largest = std::max(largest, change.shift);
     }
     return largest;
 }
@@ -79,11 +65,11 @@ const TemplateSet* ToolTrackerImpl::drawnAhead()
     if (!ahead_) return 0;
     if (ahead_->stamp(RenderAhead::EARLIER)) ahead_->wait(RenderAhead::EARLIER);   // for its error, too
     bool needed = false;
-    for (size_t i = 0; i < tools_.size(); i++) needed = needed || tools_[i].usesDrawnAhead();
+    for (size_t i = 0; i < tools_.size(); i++) needed = needed || tools_[i]->usesDrawnAhead();
     if (!needed) return 0;
     const double earlier = shiftSince(ahead_->stamp(RenderAhead::EARLIER)), newest = shiftSince(ahead_->stamp(RenderAhead::NEWEST));
     if (std::min(earlier, newest) == DBL_MAX) return 0;
-    return &ahead_->wait(newest + clearlyNearer * pixelScale_ < earlier ? RenderAhead::NEWEST : RenderAhead::EARLIER);
+    return &ahead_->wait(newest + clearlyNearer * scene_.eyes[0]->pixelScale() < earlier ? RenderAhead::NEWEST : RenderAhead::EARLIER);
 }
 
 }} // namespace cv::surgtrack

@@ -1,0 +1,174 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "opencv2/surgtrack/part_finder.hpp"
+
+namespace cv { namespace surgtrack {
+
+PartWindows::PartWindows(double _halfWidth) : halfWidth(_halfWidth) {}
+
+FoundParts::FoundParts() : imageTime(0), matchTime(0), verifyTime(0) {}
+
+double meanSimilarity(const std::vector<PartMatch>& matches)
+{
+    double sum = 0;
+    for (size_t i = 0; i < matches.size(); i++) sum += matches[i].similarity;
+    return matches.empty() ? 0 : sum / double(matches.size());
+}
+
+namespace {
+
+// Gradients of a pixel reach so far: blur 3, Sobel and vote 1 each.
+const int gradientReach = 5;
+
+// Adds the time since the last one to a stage's.
+class Lap
+{
+public:
+    Lap() : last_(getTickCount()) {}
+    double operator()()
+    {
+        const int64 now = getTickCount(), ticks = now - last_;
+        last_ = now;
+        return double(ticks) / getTickFrequency();
+    }
+
+private:
+    int64 last_;
+};
+
+class PartFinderImpl CV_FINAL : public PartFinder
+{
+public:
+    PartFinderImpl(const CameraModel& full, const Ptr<PartTemplateRenderer>& templates, const Ptr<QGOMatcher>& matcher, const Matx44d& eye_T_camera)
+        : imageSize_(full.imageSize()), reduction_(std::max(1, imageSize_.width / referenceWidth)), camera_(reduceCamera(full, reduction_)),
+          pixelScale_(camera_.imageSize().width / double(referenceWidth)), eye_T_camera_(eye_T_camera), moved_(eye_T_camera != Matx44d::eye()),
+          templates_(templates), matcher_(matcher)
+    {
+        CV_Assert(templates);
+        CV_Assert(matcher);
+        CV_Assert(isRigid(eye_T_camera) && "eye_T_camera: rigid");
+    }
+
+    Size imageSize() const CV_OVERRIDE { return imageSize_; }
+    int reduction() const CV_OVERRIDE { return reduction_; }
+    const CameraModel& camera() const CV_OVERRIDE { return camera_; }
+    double pixelScale() const CV_OVERRIDE { return pixelScale_; }
+    const Matx44d& eye_T_camera() const CV_OVERRIDE { return eye_T_camera_; }
+    const Ptr<PartTemplateRenderer>& templates() const CV_OVERRIDE { return templates_; }
+
+    void draw(const std::vector<ToolView>& views, int tool, PartDrawing& drawing, double scale, double rotation, bool alone) CV_OVERRIDE;
+    void setImage(const Mat& image) CV_OVERRIDE;
+    void release() CV_OVERRIDE { image_.release(); }
+    const Mat& pixels(const Rect& region) CV_OVERRIDE;
+    void find(const PartDrawing& drawing, const PartWindows& windows, GeometricContextVerifier& verifier, FoundParts& found) CV_OVERRIDE;
+
+private:
+    Rect place(const PartDrawing& drawing, const PartWindows& windows, std::vector<Rect>& placed);
+
+    Size imageSize_;
+    int reduction_;
+    CameraModel camera_;
+    double pixelScale_;
+    Matx44d eye_T_camera_;
+    bool moved_;             // eye_T_camera is not unit
+    Ptr<PartTemplateRenderer> templates_;
+    Ptr<QGOMatcher> matcher_;
+    Mat image_, reduced_;    // reduced: up to date where it was asked for
+    std::vector<Point2d> expected_;   // a template; memory of find()
+};
+
+void PartFinderImpl::draw(const std::vector<ToolView>& views, int tool, PartDrawing& drawing, double scale, double rotation, bool alone)
+{
+    drawing.views = views;
+    for (int i = 0; i < int(views.size()); i++)
+    {
+        if (alone && i != tool) drawing.views[i].base_T_link.clear();
+        if (moved_) drawing.views[i].camera_T_base = eye_T_camera_ * drawing.views[i].camera_T_base;
+    }
+    templates_->render(camera_, drawing.views, tool, drawing.templates, scale, rotation);
+    templates_->swapRendering(drawing.rendering);
+}
+
+void PartFinderImpl::setImage(const Mat& image)
+{
+    checkImage(image);
+    CV_Assert(image.size() == imageSize_ && "image: of the camera's size");
+    image_ = image;
+}
+
+// In tiles so narrow that resize() has its tables on the stack and wakes no other thread.
+const Mat& PartFinderImpl::pixels(const Rect& region)
+{
+    CV_Assert(!image_.empty() && "setImage() comes first");
+    if (reduction_ == 1) return image_;
+    if (region.empty()) return reduced_;
+    reduced_.create(camera_.imageSize(), image_.type());
+    const Rect reach(region.x - gradientReach, region.y - gradientReach, region.width + 2 * gradientReach, region.height + 2 * gradientReach);
+    const Rect area = reach & Rect(Point(), reduced_.size());
+    for (int x = area.x; x < area.x + area.width; x += 64)
+    {
+        const Rect tile(x, area.y, std::min(64, area.x + area.width - x), area.height);
+        const Rect source(tile.x * reduction_, tile.y * reduction_, tile.width * reduction_, tile.height * reduction_);
+        resize(image_(source), reduced_(tile), tile.size(), 0, 0, INTER_AREA);
+    }
+    return reduced_;
+}
+
+// The windows, and what of the image they and the templates in them cover.
+Rect PartFinderImpl::place(const PartDrawing& drawing, const PartWindows& windows, std::vector<Rect>& placed)
+{
+    const Rect all(Point(), camera_.imageSize());
+    Rect roi;
+    placed.clear();
+    expected_.clear();
+    for (size_t i = 0; i < drawing.templates.size(); i++)
+    {
+        const PartTemplate& t = drawing.templates[i];
+        double hx = windows.halfWidth, hy = windows.halfWidth;
+        if (!windows.deviations.empty())
+        {
+            const Point2d& deviation = windows.deviations[t.part];
+            hx = std::min(std::max(hx, 3 * deviation.x), 4 * windows.halfWidth);
+            hy = std::min(std::max(hy, 3 * deviation.y), 4 * windows.halfWidth);
+        }
+        const Point2d expected = windows.expected.empty() ? t.imagePoint : windows.expected[t.part];
+        expected_.push_back(expected);
+        const Point2d at = Point2d(t.anchor) + Point2d(cvRound(expected.x - t.imagePoint.x), cvRound(expected.y - t.imagePoint.y));
+        placed.push_back(Rect(cvRound(at.x - hx), cvRound(at.y - hy), cvRound(2 * hx) + 1, cvRound(2 * hy) + 1) & all);
+        const Rect& w = placed.back();
+        if (w.empty()) continue;
+        const Rect reach = Rect(w.x + t.bounds.x, w.y + t.bounds.y, w.width + t.bounds.width, w.height + t.bounds.height) & all;
+        roi = roi.empty() ? reach : roi | reach;
+    }
+    return roi;
+}
+
+void PartFinderImpl::find(const PartDrawing& drawing, const PartWindows& windows, GeometricContextVerifier& verifier, FoundParts& found)
+{
+    found.matches.clear();
+    found.inliers.clear();
+    found.imageTime = found.matchTime = found.verifyTime = 0;
+    const Rect roi = place(drawing, windows, found.windows);
+    if (roi.empty()) return;
+    Lap lap;
+    matcher_->setImage(pixels(roi), roi);
+    found.imageTime = lap();
+    matcher_->match(drawing.templates, found.windows, found.matches);
+    for (size_t i = 0; i < found.matches.size(); i++) found.matches[i].predictedPoint = expected_[found.matches[i].templateIndex];
+    found.matchTime = lap();
+    verifier.verify(found.matches, found.inliers);
+    found.verifyTime = lap();
+}
+
+} // namespace
+
+Ptr<PartFinder> PartFinder::create(const CameraModel& camera, const Ptr<PartTemplateRenderer>& templates, const Ptr<QGOMatcher>& matcher,
+                                   const Matx44d& eye_T_camera)
+{
+    return makePtr<PartFinderImpl>(camera, templates, matcher, eye_T_camera);
+}
+
+}} // namespace cv::surgtrack

@@ -1,0 +1,88 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_SRC_TRACK_FULL_METHOD_HPP
+#define OPENCV_SURGTRACK_SRC_TRACK_FULL_METHOD_HPP
+
+#include <functional>
+#include "opencv2/surgtrack/articulated_pose_ekf.hpp"
+#include "track/tool_method.hpp"
+
+namespace cv { namespace surgtrack {
+
+//! METHOD_FULL: parts and outlines of all eyes, into one filter of correction and joint offsets, believed by evidence.
+class FullMethod CV_FINAL : public ToolMethod
+{
+public:
+    FullMethod(int index, const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const ToolTracker::Params& params, double pixelScale,
+               const ArticulatedPoseEKF::Params& filter, const ToolContour::Params& contour, const ContourSearch& edges);
+
+    void reset() CV_OVERRIDE;
+    void takeBack() CV_OVERRIDE { filter_->setState(placed_); }
+    void measure(Scene& scene, const PartDrawing* ahead) CV_OVERRIDE;
+    const ToolView& view() const CV_OVERRIDE { return filter_->view(); }
+    void report(ToolEstimate& estimate) const CV_OVERRIDE;
+    void setHandEye(const Matx44d& nominal_T_base) CV_OVERRIDE;
+    void moveCamera(const Matx44d& now_T_before) CV_OVERRIDE;
+    void inherit(const ToolMethod& other) CV_OVERRIDE;
+
+private:
+    // Windows in which edges are looked for: a first pose begins with the widest.
+    static const int startPass = 0, trackPass = 2;
+
+    //! A pose, and what it has to show for itself.
+    struct Pose
+    {
+        ArticulatedPoseEKF::State filter;
+        Evidence evidence;
+        std::vector<PartMatch> inliers;
+    };
+
+    const ToolView& predict(const std::vector<double>& joints) CV_OVERRIDE;
+    Pose pose() const;
+    void setPose(const Pose& pose);
+
+    bool start(Scene& scene);
+    bool search(Scene& scene);
+    bool beginAnew(Scene& scene, int first, int last);
+    void fit(Scene& scene, const StartCandidate& candidate);
+
+    bool follow(Scene& scene, const PartDrawing* ahead);
+    void expectParts(const PartFinder& eye, bool known);
+    bool correct(Scene& scene);
+    int correctPoints(Scene& scene, size_t eyes);
+    void correctByOutline(Scene& scene);
+    void dropPoints(Scene& scene);
+    int addPoints(Scene& scene, size_t eyes, double tolerance);
+
+    void sampleOutline(Scene& scene, size_t eye, const PartDrawing& drawing);
+    void redraw(Scene& scene, size_t eye);
+    double refine(Scene& scene, int firstPass);
+    double support(Scene& scene);
+    const ToolView& seenBy(const PartFinder& eye);
+    void conclude(const Scene& scene, bool seen);
+    void moveStates(const std::function<void(ArticulatedPoseEKF&)>& move);
+
+    Ptr<ArticulatedPoseEKF> filter_;
+    Ptr<ToolContour> contour_;
+    ContourSearch edges_;
+    EvidenceThresholds thresholds_;
+    ArticulatedPoseEKF::State placed_;     // the filter before this frame,
+    ArticulatedPoseEKF::State sure_;       // and when the tool was last tracked
+    int searches_;                         // since the tool was last seen
+    bool searched_;                        // the pose is that of a search, and not confirmed yet
+    int boosted_;                          // frames for which the process noise stays raised
+
+    // Memory of one function each.
+    PartWindows windows_;
+    ToolView seen_;
+    std::vector<int> parts_;
+    std::vector<Point2d> imagePoints_;
+    std::vector<double> noise_;
+    std::vector<uchar> used_;
+};
+
+}} // namespace cv::surgtrack
+
+#endif

@@ -1,0 +1,97 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "track/full_method.hpp"
+
+namespace cv { namespace surgtrack {
+
+namespace {
+
+const int fitted = 3, fitRounds = 4;    // so many of the nine hypotheses are fitted, in so many rounds
+const int looseFrames = 15;             // after a first pose, which may be the wrong one of two that look alike in one frame
+const double searchRotation = 4 * CV_PI / 180, searchTranslation = 0.008;   // how far a lost tool may be from where it was, as the calibration may [rad, m]
+
+} // namespace
+
+// About the calibration, and every other time about what has become of it for another tool.
+bool FullMethod::start(Scene& scene)
+{
+    filter_->reset(searches_++ % 2 ? scene.lent : calibration_);
+    filter_->predict(joints_);
+    return beginAnew(scene, 0, hypotheses - 1);
+}
+
+// One hypothesis a frame, the upright one every other time: about the last pose, the calibration, another tool's correction.
+bool FullMethod::search(Scene& scene)
+{
+    const int n = searches_++;
+    const int hypothesis = n % 2 == 0 ? 0 : 1 + (n / 2) % 8;
+    const ArticulatedPoseEKF::State before = filter_->state();
+    if (n % 4 < 2) filter_->inflate(searchRotation, searchTranslation);
+    else
+    {
+        filter_->reset(n % 8 < 4 ? calibration_ : scene.lent);
+        filter_->predict(joints_);
+    }
+    const bool found = beginAnew(scene, hypothesis, hypothesis);
+    if (!found) filter_->setState(before);
+    else if (!searched_) confirmed_ = 0;
+    searched_ = found;
+    return found;
+}
+
+/* Parts in wide windows by several scales and rotations about the pose predicted (paper, Sec. 2.1), the most promising of them fitted,
+   and the one kept that explains the image best.
+   first, last: which of the nine hypotheses */
+bool FullMethod::beginAnew(Scene& scene, int first, int last)
+{
+    const ArticulatedPoseEKF::State vague = filter_->state();
+    std::vector<StartCandidate> candidates(fitted);
+    visibleParts_ = findStarts(scene, first, last, filter_->view(), transform(filter_->correction(), nominalPoints_[0]).z, candidates);
+    double most = -DBL_MAX;
+    Pose best;
+    best.filter = vague;
+    best.evidence.points = evidence_.points;
+    for (int k = 0; k < fitted && candidates[k].score > 0; k++)
+    {
+        filter_->setState(vague);
+        fit(scene, candidates[k]);
+        const double merit = evidence_.merit(thresholds_);
+        if (merit <= most || !evidence_.isFirstPose(thresholds_) || !plausible(scene.camera(), filter_->correction(), inliers_)) continue;
+        most = merit;
+        best = pose();
+    }
+    setPose(best);
+    const bool found = most > -DBL_MAX;
+    if (found) boosted_ = looseFrames;
+    return found;
+}
+
+// Everything from the filter's prediction, which is vague, and the parts found: in several rounds, each drawn where the one before ended.
+void FullMethod::fit(Scene& scene, const StartCandidate& candidate)
+{
+    sights_[0].found.inliers = candidate.inliers;
+    correctPoints(scene, 1);   // the first matches are of one eye
+    for (int round = 0; round < fitRounds; round++)
+    {
+        const ToolView view = filter_->view();
+        for (size_t e = 0; e < scene.open; e++)
+        {
+            if (round == fitRounds - 1)
+            {
+                redraw(scene, e);
+                continue;
+            }
+            expectParts(*scene.eyes[e], e > 0);
+            look(scene, e, view, windows_, e == 0);
+            sampleOutline(scene, e, sights_[e].drawing);
+        }
+        visibleParts_ = int(sights_[0].drawn->templates.size());
+        if (round == 0) correctPoints(scene, scene.open);
+        refine(scene, round < 2 ? startPass : trackPass);
+    }
+}
+
+}} // namespace cv::surgtrack

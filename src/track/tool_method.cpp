@@ -1,0 +1,165 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "track/tool_method.hpp"
+
+namespace cv { namespace surgtrack {
+
+namespace {
+
+// Plausible errors of a hand-eye calibration; a first pose beyond them is a false one. Twice what the paper's recording has.
+const double maxCorrectionAngle = 15 * CV_PI / 180;
+const double maxCorrectionShift = 0.03;     // [m], at the tool
+const double largestReprojectionError = 8;  // [pixel at 720 px image width]
+
+double rotationAngle(const Matx44d& T)
+{
+    return std::acos(std::min(1., std::max(-1., (T(0, 0) + T(1, 1) + T(2, 2) - 1) / 2)));
+}
+
+} // namespace
+
+ToolMethod::ToolMethod(int index, const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const ToolTracker::Params& params, double pixelScale)
+    : index_(index), model_(model), coordinates_(model->coordinateNames().size()), nominal_T_base_(nominal_T_base), params_(params),
+      pixelScale_(pixelScale), sights_(2)
+{
+    // All that a frame may need: update() takes no memory later.
+    const size_t parts = model->keypoints().size();
+    nominalPoints_.reserve(parts);
+    inliers_.reserve(parts);
+    joints_.reserve(coordinates_);
+    for (size_t e = 0; e < sights_.size(); e++) sights_[e].found.inliers.reserve(parts);
+    ToolMethod::reset();
+}
+
+void ToolMethod::reset()
+{
+    correction_ = calibration_ = Matx44d::eye();
+    state_ = STATE_INITIALIZING;
+    confirmed_ = 0;
+    lastSeen_ = -DBL_MAX;
+    evidence_ = Evidence();
+    visibleParts_ = 0;
+    inliers_.clear();
+}
+
+void ToolMethod::place(const std::vector<double>& joints)
+{
+    joints_ = joints;
+    const ToolView& view = predict(joints);
+    const std::vector<ToolModel::Keypoint>& keypoints = model_->keypoints();
+    nominalPoints_.resize(keypoints.size());
+    for (size_t k = 0; k < keypoints.size(); k++)
+        nominalPoints_[k] = transform(nominal_T_base_ * view.base_T_link[keypoints[k].link], keypoints[k].linkPoint);
+}
+
+double ToolMethod::maxReprojectionError() const
+{
+    return largestReprojectionError * pixelScale_;
+}
+
+bool ToolMethod::plausible(const CameraModel& camera, const Matx44d& correction, const std::vector<PartMatch>& inliers) const
+{
+    Point3d centre;
+    for (size_t i = 0; i < nominalPoints_.size(); i++) centre += nominalPoints_[i] * (1. / nominalPoints_.size());
+    if (rotationAngle(correction) > maxCorrectionAngle || norm(transform(correction, centre) - centre) > maxCorrectionShift) return false;
+    if (inliers.empty()) return true;
+    double sum = 0;
+    for (size_t i = 0; i < inliers.size(); i++)
+    {
+        const Point3d p = transform(correction, nominalPoints_[inliers[i].part]);
+        if (p.z < 1e-3) return false;
+        const Point2d d = camera.project(p) - inliers[i].imagePoint;
+        sum += d.dot(d);
+    }
+    return std::sqrt(sum / double(inliers.size())) < maxReprojectionError();
+}
+
+int ToolMethod::findStarts(Scene& scene, int first, int last, const ToolView& view, double distance, std::vector<StartCandidate>& best)
+{
+    static const double scales[] = {1, 0.8, 1.2}, rotations[] = {0, -15 * CV_PI / 180, 15 * CV_PI / 180};
+    Sight& sight = sights_[0];
+    const PartWindows windows(params_.initialWindow * std::max(scene.camera().fx, scene.camera().fy) / std::max(distance, 0.02));
+    int templates = 0;
+    for (int i = first; i <= last; i++)
+    {
+        scene.draw(0, index_, view, sight.drawing, scales[i / 3], rotations[i % 3], true);
+        scene.find(0, sight.drawing, windows, true, sight.found);
+        if (i == first) templates = int(sight.drawing.templates.size());
+        StartCandidate candidate;
+        candidate.inliers = sight.found.inliers;
+        candidate.templates = int(sight.drawing.templates.size());
+        for (size_t k = 0; k < candidate.inliers.size(); k++) candidate.score += candidate.inliers[k].similarity;
+        for (size_t k = 0; k < best.size(); k++)
+            if (candidate.score > best[k].score)
+            {
+                best.insert(best.begin() + k, candidate);
+                best.pop_back();
+                break;
+            }
+    }
+    return templates;
+}
+
+void ToolMethod::expect(const PartDrawing& ahead, const CameraModel& camera, PartWindows& windows) const
+{
+    windows.expected.assign(nominalPoints_.size(), Point2d());
+    for (size_t i = 0; i < ahead.templates.size(); i++)
+    {
+        const PartTemplate& t = ahead.templates[i];
+        const Point3d p = transform(correction_, nominalPoints_[t.part]);
+        windows.expected[t.part] = p.z > 1e-3 ? camera.project(p) : t.imagePoint;
+    }
+}
+
+void ToolMethod::look(Scene& scene, size_t eye, const ToolView& view, const PartWindows& windows, bool starting)
+{
+    Sight& sight = sights_[eye];
+    scene.draw(eye, index_, view, sight.drawing);
+    sight.drawnAhead = false;
+    sight.cut = sight.drawn = &sight.drawing;
+    scene.find(eye, sight.drawing, windows, starting, sight.found);
+}
+
+void ToolMethod::lookAhead(Scene& scene, const PartDrawing& ahead, PartWindows& windows)
+{
+    Sight& sight = sights_[0];
+    expect(ahead, scene.camera(), windows);
+    sight.drawnAhead = true;
+    sight.cut = sight.drawn = &ahead;
+    scene.find(0, ahead, windows, false, sight.found);
+}
+
+ToolSight ToolMethod::sight(size_t eye) const
+{
+    const Sight& from = sights_[eye];
+    ToolSight result;
+    if (!from.drawnAhead)
+    {
+        result.views = from.drawing.views;
+        result.templates = from.drawing.templates;
+    }
+    result.found = from.found;
+    result.outline = from.outline;
+    return result;
+}
+
+void ToolMethod::report(ToolEstimate& e) const
+{
+    e.state = state_;
+    e.camera_T_nominal = correction_;
+    e.camera_T_tool = correction_ * (nominal_T_base_ * model_->endEffectorFromLinks(view().base_T_link));
+    e.jointOffsets.assign(coordinates_, 0.);
+    e.joints.assign(joints_.begin(), joints_.end());
+    e.visibleParts = visibleParts_;
+    e.inliers = int(inliers_.size());
+    e.similarity = evidence_.similarity;
+    e.contourSupport = evidence_.support;
+    e.nis = evidence_.nis;
+    e.matches.reserve(inliers_.capacity());
+    e.matches = inliers_;
+}
+
+}} // namespace cv::surgtrack

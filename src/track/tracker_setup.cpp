@@ -1,0 +1,165 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "track/full_method.hpp"
+#include "track/paper_method.hpp"
+#include "track/tool_tracker.hpp"
+
+namespace cv { namespace surgtrack {
+
+// Cameras and tools, which may come and go.
+
+namespace {
+
+const int minFullInliers = 4;   // of a first pose of METHOD_FULL; the outline tells the rest
+
+void checkParams(const ToolTracker::Params& p)
+{
+    CV_Check(p.method, p.method >= METHOD_PAPER && p.method <= METHOD_FULL, "Params::method: no such method");
+    CV_CheckGE(p.minInitialInliers, 4, "Params::minInitialInliers: EPnP needs four points");
+    CV_Check(p.initialWindow, p.initialWindow > 0 && p.initialWindow < DBL_MAX, "Params::initialWindow must be positive");
+    CV_Check(p.minWindow, p.minWindow > 0 && p.minWindow < 1e5, "Params::minWindow must be positive");
+    CV_Check(p.minInitialSimilarity, p.minInitialSimilarity >= 0 && p.minInitialSimilarity <= 1, "Params::minInitialSimilarity must be in 0..1");
+    CV_CheckGE(p.confirmFrames, 0, "Params::confirmFrames must not be negative");
+    CV_Check(p.coastingTime, p.coastingTime >= 0 && p.coastingTime < DBL_MAX, "Params::coastingTime must not be negative");
+}
+
+} // namespace
+
+ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params, const Stages& stages, const Ptr<MeshRenderer>& renderer)
+    : params_(params), stages_(stages), renderer_(renderer ? renderer : MeshRenderer::createSoftware())
+{
+    CV_Assert(!camera.imageSize().empty());
+    checkParams(params);
+    const bool full = params.method == METHOD_FULL;
+    if (full) stages_.templates.wholeTool = true;
+    const Camera left = {camera, Matx44d::eye()};
+    cameras_.push_back(left);
+    toolsChanged();
+    const double scale = scene_.eyes[0]->pixelScale();
+    GeometricContextVerifier::Params& context = stages_.verifier;
+    context.seed = params.seed;
+    context.zoneRadius *= scale;
+    if (!full)
+    {
+        context.centredZones = false;   // both methods are the paper's: fixed cells, the first sample that agrees
+        context.maxScale = context.maxRotation = 0;
+    }
+    scene_.verifier = GeometricContextVerifier::create(context);
+    GeometricContextVerifier::Params start = context;
+    start.minInliers = full ? minFullInliers : params.minInitialInliers;
+    scene_.startVerifier = GeometricContextVerifier::create(start);
+    stages_.filter.jointOffsets = stages_.filter.jointOffsets && params.jointOffsets;
+    stages_.filter.pointNoise *= scale;
+    stages_.filter.contourNoise *= scale;
+    stages_.paperFilter.measurementNoise *= scale;
+}
+
+Ptr<PartFinder> ToolTrackerImpl::makeFinder(const Camera& camera, const Ptr<MeshRenderer>& renderer) const
+{
+    const Ptr<PartTemplateRenderer> templates = PartTemplateRenderer::create(renderer, stages_.templates);
+    for (size_t i = 0; i < tools_.size(); i++) templates->addTool(tools_[i]->model());
+    return PartFinder::create(camera.model, templates, QGOMatcher::create(stages_.matcher), camera.eye_T_camera);
+}
+
+Ptr<ToolMethod> ToolTrackerImpl::makeMethod(int index, const Ptr<ToolModel>& model, const Matx44d& nominal_T_base) const
+{
+    const double scale = scene_.eyes[0]->pixelScale();
+    if (params_.method == METHOD_FULL)
+        return makePtr<FullMethod>(index, model, nominal_T_base, params_, scale, stages_.filter, stages_.contour, stages_.edges);
+    return makePtr<PaperMethod>(index, model, nominal_T_base, params_, scale, scene_.camera(), stages_.paperFilter);
+}
+
+// What knows all tools, made anew; meshes that are prepared stay so.
+void ToolTrackerImpl::toolsChanged()
+{
+    scene_.eyes.clear();
+    for (size_t e = 0; e < cameras_.size(); e++) scene_.eyes.push_back(makeFinder(cameras_[e], renderer_));
+    scene_.views.resize(tools_.size());
+    for (size_t i = 0; i < tools_.size(); i++) tools_[i]->setIndex(int(i));
+    field_ = scene_.camera().fieldOfView(Rect(Point(), scene_.camera().imageSize()));
+    ahead_.release();   // its thread knows the old tools only
+}
+
+void ToolTrackerImpl::setRightCamera(const CameraModel& right, const Matx44d& right_T_left)
+{
+    if (params_.method != METHOD_FULL) CV_Error(Error::StsBadArg, "Params::method: only METHOD_FULL uses a right camera");
+    CV_Assert(!right.imageSize().empty());
+    if (!isRigid(right_T_left)) CV_Error(Error::StsBadArg, "right_T_left must be a rigid transform");
+    const Camera camera = {right, nearestRigid(right_T_left)};
+    cameras_.resize(1);
+    cameras_.push_back(camera);
+    toolsChanged();
+}
+
+void ToolTrackerImpl::checkTool(int tool) const
+{
+    CV_Check(tool, tool >= 0 && tool < int(tools_.size()), "no such tool");
+}
+
+void ToolTrackerImpl::checkModel(const Ptr<ToolModel>& model) const
+{
+    CV_Assert(model);
+    const int parts = int(model->keypoints().size());
+    if (parts < params_.minInitialInliers)
+        CV_Error(Error::StsBadArg, format("tool %s has %d keypoints, expected at least %d (Params::minInitialInliers)", model->name().c_str(),
+                                          parts, params_.minInitialInliers));
+}
+
+int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base)
+{
+    checkModel(model);
+    if (!isRigid(nominal_T_base)) CV_Error(Error::StsBadArg, "nominal_T_base must be a rigid transform");
+    tools_.push_back(makeMethod(int(tools_.size()), model, nearestRigid(nominal_T_base)));
+    toolsChanged();
+    return int(tools_.size()) - 1;
+}
+
+void ToolTrackerImpl::replaceTool(int tool, const Ptr<ToolModel>& model)
+{
+    checkTool(tool);
+    checkModel(model);
+    const Ptr<ToolMethod> method = makeMethod(tool, model, tools_[tool]->nominal_T_base());
+    method->inherit(*tools_[tool]);
+    tools_[tool] = method;
+    toolsChanged();
+}
+
+void ToolTrackerImpl::removeTool(int tool)
+{
+    checkTool(tool);
+    tools_.erase(tools_.begin() + tool);
+    toolsChanged();
+}
+
+void ToolTrackerImpl::setHandEye(int tool, const Matx44d& nominal_T_base)
+{
+    checkTool(tool);
+    if (!isRigid(nominal_T_base)) CV_Error(Error::StsBadArg, "nominal_T_base must be a rigid transform");
+    tools_[tool]->setHandEye(nearestRigid(nominal_T_base));
+    if (ahead_) ahead_->clear();
+}
+
+void ToolTrackerImpl::moveCamera(const Matx44d& now_T_before)
+{
+    if (!isRigid(now_T_before)) CV_Error(Error::StsBadArg, "now_T_before must be a rigid transform");
+    for (size_t i = 0; i < tools_.size(); i++) tools_[i]->moveCamera(nearestRigid(now_T_before));
+    if (ahead_) ahead_->clear();
+}
+
+void ToolTrackerImpl::reset(int tool)
+{
+    if (tool != -1) checkTool(tool);
+    if (ahead_) ahead_->clear();
+    for (int i = 0; i < int(tools_.size()); i++)
+        if (tool == -1 || i == tool) tools_[i]->reset();
+}
+
+Ptr<ToolTracker> ToolTracker::create(const CameraModel& camera, const Params& params, const Stages& stages, const Ptr<MeshRenderer>& renderer)
+{
+    return makePtr<ToolTrackerImpl>(camera, params, stages, renderer);
+}
+
+}} // namespace cv::surgtrack
