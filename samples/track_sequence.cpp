@@ -77,6 +77,8 @@ Options readOptions(const CommandLineParser& parser)
         fail("argument '--stereo': method " + method + " uses one image, expected --method=full");
     if (!options.debugFrames.empty() && options.debug.empty())
         fail("argument '--debug-frames': expected --debug=DIR too");
+    if (!options.debug.empty() && options.renderAhead)
+        fail("argument '--debug': what is drawn ahead is not kept, expected no --render-ahead");
     if (options.debugFrames.empty())
         options.debugFrames = "every:25";
     common::FrameChoice(options.debugFrames, options.start);   // an error in it comes before the work
@@ -132,24 +134,17 @@ void drawResult(Mat& image, const Run& run, const std::vector<std::vector<double
     }
 }
 
-//! before: the estimates of the last frame, none in the first one
-std::vector<common::DebugTool> debugTools(const Run& run, const std::vector<std::vector<double> >& joints, const std::vector<ToolEstimate>& before,
-                                          const std::vector<ToolEstimate>& estimates)
+std::vector<common::DebugTool> debugTools(const Run& run, const std::vector<ToolEstimate>& estimates)
 {
-    std::vector<common::DebugTool> result;
+    std::vector<common::DebugTool> result(run.tools.size());
     for (size_t i = 0; i < run.tools.size(); i++)
     {
-        const Tool& tool = run.tools[i];
-        const ToolEstimate expected = before.empty() ? ToolEstimate() : before[i];
-        common::DebugTool debug;
-        debug.name = tool.info.name;
-        debug.model = tool.model;
-        debug.known = isKnown(expected);
-        debug.expected_camera_T_base = expected.camera_T_nominal * tool.info.nominal_T_base;
-        debug.expectedJoints = corrected(joints[i], expected);
-        debug.found_camera_T_base = estimates[i].camera_T_nominal * tool.info.nominal_T_base;
-        debug.foundJoints = corrected(joints[i], estimates[i]);
-        result.push_back(debug);
+        common::DebugTool& debug = result[i];
+        debug.name = run.tools[i].info.name;
+        debug.model = run.tools[i].model;
+        debug.sight = run.tracker->sight((int)i);
+        debug.foundJoints = estimates[i].joints;
+        debug.found_camera_T_base = estimates[i].camera_T_nominal * run.tools[i].info.nominal_T_base;
     }
     return result;
 }
@@ -289,7 +284,7 @@ void track(const Options& options, Run& run)
 
     Ptr<common::DebugPictures> debug;
     if (!options.debug.empty())
-        debug = makePtr<common::DebugPictures>(options.debug, run.sequence->leftCamera(), options.method);
+        debug = makePtr<common::DebugPictures>(options.debug, options.method);
     common::FrameChoice debugFrames(options.debugFrames, options.start);
 
     const int remaining = std::max(0, reader.count() - options.start);
@@ -297,7 +292,7 @@ void track(const Options& options, Run& run)
     const int64 startTick = getTickCount();
     Mat image, right;
     std::vector<std::vector<double> > joints, nextJoints;
-    std::vector<ToolEstimate> estimates, before;
+    std::vector<ToolEstimate> estimates;
     for (int frame = options.start; options.frames == 0 || frame < options.start + options.frames; frame++)
     {
         if (!reader.read(image, right))
@@ -313,12 +308,11 @@ void track(const Options& options, Run& run)
         {
             if (options.renderAhead && readJoints(run, frame + 1, nextJoints) < 0)
                 run.tracker->renderAhead(nextJoints);
-            before = estimates;
             trackFrame(run, frame, image, right, joints, estimates);
             if (timings)
                 timings->write(frame, frame / run.sequence->fps(), run.tracker->getTimings());
             if (debug && debugFrames.wants(frame))
-                debug->write(frame, image, debugTools(run, joints, before, estimates));
+                debug->write(frame, image, debugTools(run, estimates));
         }
         record(run, frame, estimates, writer.get());
         if (overlay)

@@ -447,6 +447,71 @@ TEST(SurgTrack_ArticulatedEKF, aCopyGoesOnAsTheOriginalDoes)
     EXPECT_ERROR(filter->copyTo(*ArticulatedPoseEKF::create(ToolModel::needleDriver(), Matx44d::eye())), "other");
 }
 
+TEST(SurgTrack_ArticulatedEKF, whatItWasIsAValue)
+{
+    const CameraModel camera = endoscope();
+    const Bench bench(PosedTool(0.1), motionAbout(Point3d(0, 0, 0.1), Vec3d(0.01, 0.02, -0.01), Vec3d(0.001, -0.001, 0.002)));
+    Ptr<ArticulatedPoseEKF> filter = bench.filter();
+    filter->predict(bench.readings());
+    const ArticulatedPoseEKF::State before = filter->state();
+    const ToolView view = filter->view();
+    const Mat P = filter->covariance();
+    ASSERT_TRUE(correct(*filter, camera, bench.parts, bench.seen(camera)));
+    EXPECT_FALSE(sameView(view, filter->view()));
+    filter->setState(before);
+    EXPECT_TRUE(sameView(view, filter->view()));
+    EXPECT_EQ(0, cvtest::norm(P, filter->covariance(), NORM_INF));
+}
+
+// blkdiag(R, R) P blkdiag(R, R)^T
+Matx66d turned(const Matx66d& P, const Matx44d& T)
+{
+    Matx66d B = Matx66d::zeros();
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++) B(r, c) = B(3 + r, 3 + c) = T(r, c);
+    return B * P * B.t();
+}
+
+TEST(SurgTrack_ArticulatedEKF, movesWithTheCamera)
+{
+    const CameraModel camera = endoscope();
+    const Bench bench(PosedTool(0.1), motionAbout(Point3d(0, 0, 0.1), Vec3d(0.01, 0.02, -0.01), Vec3d(0.001, -0.001, 0.002)), wristOffsets(0.02, 0.01, -0.02, 0.01));
+    Ptr<ArticulatedPoseEKF> filter = bench.filter();
+    filter->predict(bench.readings());
+    ASSERT_TRUE(correct(*filter, camera, bench.parts, bench.seen(camera)));
+    const Matx44d pose = bench.toolPose(filter->view());
+    const Matx66d P = filter->poseCovariance();
+    const std::vector<double> offsets = filter->offsets();
+    const Matx44d now_T_before = rigid(rotationMatrix(Vec3d(0.1, -0.4, 0.2)), Point3d(0.03, -0.02, 0.04));
+    filter->moveCamera(now_T_before);
+    EXPECT_LT(cv::norm(bench.toolPose(filter->view()) - now_T_before * pose, NORM_INF), 1e-12);   // rounding
+    EXPECT_LT(cv::norm(filter->poseCovariance() - turned(P, now_T_before), NORM_INF), 1e-12);
+    EXPECT_EQ(offsets, filter->offsets());
+    // The points, seen by the moved camera, tell nothing new.
+    filter->predict(bench.readings());
+    Bench moved = bench;
+    moved.tool.view.camera_T_base = now_T_before * bench.tool.view.camera_T_base;
+    ASSERT_TRUE(correct(*filter, camera, bench.parts, moved.seen(camera)));
+    EXPECT_LT(distance(moved.toolPose(filter->view()), now_T_before * bench.tool.camera_T_tool), 2e-4);   // as well as before
+}
+
+TEST(SurgTrack_ArticulatedEKF, anotherCalibrationMovesNothing)
+{
+    const CameraModel camera = endoscope();
+    const Bench bench(PosedTool(0.1), motionAbout(Point3d(0, 0, 0.1), Vec3d(0.01, 0.02, -0.01), Vec3d(0.001, -0.001, 0.002)));
+    Ptr<ArticulatedPoseEKF> filter = bench.filter();
+    filter->predict(bench.readings());
+    ASSERT_TRUE(correct(*filter, camera, bench.parts, bench.seen(camera)));
+    const Matx44d pose = bench.toolPose(filter->view());
+    const Matx66d P = filter->poseCovariance();
+    filter->setHandEye(bench.tool.view.camera_T_base);   // the true one
+    EXPECT_LT(cv::norm(bench.toolPose(filter->view()) - pose, NORM_INF), 1e-12);   // rounding
+    EXPECT_EQ(0, cv::norm(filter->poseCovariance() - P, NORM_INF) > 1e-15);
+    EXPECT_LT(rotationAngle(filter->correction(), Matx44d::eye()), 0.01);
+    EXPECT_ERROR(filter->setHandEye(Matx44d::zeros()), "nominal_T_base");
+    EXPECT_ERROR(filter->moveCamera(Matx44d::zeros()), "now_T_before");
+}
+
 TEST(SurgTrack_ArticulatedEKF, aRepeatedCorrectionTakesThePlaceOfTheOneBefore)
 {
     const CameraModel camera = endoscope();

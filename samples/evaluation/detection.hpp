@@ -88,13 +88,10 @@ class DetectionRun
 public:
     explicit DetectionRun(const Data& data) : data_(data), rng_(20160605)
     {
-        const CameraModel full = data.sequence->leftCamera();
-        reduction_ = std::max(1, full.imageSize().width / 720);
-        const double f = 1. / reduction_;
-        const Matx33d K(full.fx * f, 0, (full.cx + 0.5) * f - 0.5, 0, full.fy * f, (full.cy + 0.5) * f - 0.5, 0, 0, 1);
-        camera_ = CameraModel(K, full.distCoeffs(), Size(full.imageSize().width / reduction_, full.imageSize().height / reduction_));
-        pixel_ = camera_.imageSize().width / 720.;
         renderer_ = PartTemplateRenderer::create();
+        finder_ = PartFinder::create(data.sequence->leftCamera(), renderer_);
+        camera_ = finder_->camera();
+        pixel_ = finder_->pixelScale();
         for (size_t i = 0; i < data.tools.size(); i++)
         {
             renderer_->addTool(data.tools[i].model);
@@ -102,7 +99,7 @@ public:
             for (size_t j = 0; j < names.size(); j++)
                 detection_.at(0, names[j]);   // in the order of the tool file, whatever is seen first
         }
-        matcher_ = QGOMatcher::create();
+        verifier_ = GeometricContextVerifier::create();
     }
 
     //! @param frames at most so many; 0 = all. Of a long sequence every k-th is looked at
@@ -112,16 +109,15 @@ public:
         const int count = frames > 0 ? std::min(frames, reader.count()) : reader.count();
         const int step = 1 + (std::max(count, 1) - 1) / MAX_FRAMES;
         common::Progress progress(count, quiet);
-        Mat image, reduced;
+        Mat image;
         for (int frame = 0; frames == 0 || frame < frames; frame++)
         {
             if (!reader.read(image))
                 break;   // the tracker's run tells if it should have gone on
             if (frame % step)
                 continue;
-            if (reduction_ > 1)
-                resize(image, reduced, camera_.imageSize(), 0, 0, INTER_AREA);
-            matcher_->setImage(reduction_ > 1 ? reduced : image);
+            finder_->setImage(image);
+            finder_->prepare();
             look(frame);
             progress.show(frame + 1);
         }
@@ -178,7 +174,7 @@ private:
                 if (it == data_.keypoints[tool][part].end() || !it->second.visible)
                     continue;
                 const Point2d& p = it->second.imagePoint;
-                result[(int)part] = Point2d((p.x + 0.5) / reduction_ - 0.5, (p.y + 0.5) / reduction_ - 0.5);
+                result[(int)part] = Point2d((p.x + 0.5) / finder_->reduction() - 0.5, (p.y + 0.5) / finder_->reduction() - 0.5);
             }
             return result;
         }
@@ -191,9 +187,9 @@ private:
             bases.push_back(data_.camera_T_base(i, truths_[i].camera_T_tool, truths_[i].joints));
         }
         place(bases, true);
-        renderer_->render(camera_, views_, tool, templates_);
-        for (size_t i = 0; i < templates_.size(); i++)
-            result[templates_[i].part] = templates_[i].imagePoint;
+        finder_->draw(views_, tool, drawing_);
+        for (size_t i = 0; i < drawing_.templates.size(); i++)
+            result[drawing_.templates[i].part] = drawing_.templates[i].imagePoint;
         return result;
     }
 
@@ -213,7 +209,7 @@ private:
             for (int variant = 0; variant < VARIANTS; variant++)
             {
                 place(bases[variant], false);
-                renderer_->render(camera_, views_, tool, templates_);
+                finder_->draw(views_, tool, drawing_);
                 search(variant, data_.tools[tool].model->keypoints(), visible);
             }
         }
@@ -221,33 +217,28 @@ private:
 
     void search(int variant, const std::vector<ToolModel::Keypoint>& keypoints, const std::map<int, Point2d>& visible)
     {
-        const int half = cvRound((variant == 0 ? 120 : 40) * pixel_);
-        const Rect all(Point(), camera_.imageSize());
-        std::vector<Rect> windows;
-        for (size_t i = 0; i < templates_.size(); i++)
-            windows.push_back(Rect(templates_[i].anchor.x - half, templates_[i].anchor.y - half, 2 * half + 1, 2 * half + 1) & all);
-        matches_.clear();
-        if (!templates_.empty())
-            matcher_->match(templates_, windows, matches_);
+        finder_->find(drawing_, PartWindows(cvRound((variant == 0 ? 120 : 40) * pixel_)), *verifier_, found_);
+        const std::vector<PartTemplate>& templates = drawing_.templates;
+        const std::vector<PartMatch>& matches = found_.matches;
         for (std::map<int, Point2d>::const_iterator it = visible.begin(); it != visible.end(); ++it)
             detection_.at(variant, keypoints[it->first].name).visible++;
-        for (size_t i = 0; i < templates_.size(); i++)
+        for (size_t i = 0; i < templates.size(); i++)
         {
-            const std::map<int, Point2d>::const_iterator truth = visible.find(templates_[i].part);
+            const std::map<int, Point2d>::const_iterator truth = visible.find(templates[i].part);
             if (truth == visible.end())
                 continue;
             DetectionCount& count = detection_.at(variant, keypoints[truth->first].name);
             count.samples++;
-            count.prior += norm(templates_[i].imagePoint - truth->second) / pixel_;
+            count.prior += norm(templates[i].imagePoint - truth->second) / pixel_;
             double nearest = DBL_MAX;
             int rank = 0;
-            for (size_t j = 0; j <= matches_.size() && rank < MAX_TOP_N; j++)
+            for (size_t j = 0; j <= matches.size() && rank < MAX_TOP_N; j++)
             {
-                const bool end = j == matches_.size();
-                if (!end && matches_[j].templateIndex != (int)i)
+                const bool end = j == matches.size();
+                if (!end && matches[j].templateIndex != (int)i)
                     continue;
                 if (!end)
-                    nearest = std::min(nearest, norm(matches_[j].imagePoint - truth->second) / pixel_);
+                    nearest = std::min(nearest, norm(matches[j].imagePoint - truth->second) / pixel_);
                 // A part with fewer candidates than N has no more to offer.
                 for (const int last = end ? MAX_TOP_N : rank + 1; rank < last; rank++)
                     for (int k = 0; k < THRESHOLDS; k++)
@@ -258,16 +249,16 @@ private:
 
     const Data& data_;
     RNG rng_;
-    int reduction_;
     double pixel_;   // of an image 720 pixel wide, in pixels of ours
     CameraModel camera_;
     Ptr<PartTemplateRenderer> renderer_;
-    Ptr<QGOMatcher> matcher_;
+    Ptr<PartFinder> finder_;
+    Ptr<GeometricContextVerifier> verifier_;
     std::vector<std::vector<double> > joints_;
     std::vector<Truth> truths_;
     std::vector<ToolView> views_;
-    std::vector<PartTemplate> templates_;
-    std::vector<PartMatch> matches_;
+    PartDrawing drawing_;
+    FoundParts found_;
     Detection detection_;
 };
 

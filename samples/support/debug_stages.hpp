@@ -2,7 +2,7 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
-// The public stages, run once more on one tool in one frame, from the tracker's estimates: what debug_pictures.hpp draws.
+// What the tracker saw of one tool in one frame, brought to the size of the pictures that debug_pictures.hpp draws.
 
 #ifndef OPENCV_SURGTRACK_SAMPLES_SUPPORT_DEBUG_STAGES_HPP
 #define OPENCV_SURGTRACK_SAMPLES_SUPPORT_DEBUG_STAGES_HPP
@@ -20,27 +20,22 @@ struct DebugTool
 {
     String name;
     Ptr<ToolModel> model;
-    Matx44d expected_camera_T_base, found_camera_T_base;   // before and after the frame
-    std::vector<double> expectedJoints, foundJoints;       // readings and the offsets known then
-    bool known;                                            // whether it was followed before
+    ToolSight sight;                     // of the left eye
+    std::vector<double> foundJoints;     // of the pose found
+    Matx44d found_camera_T_base;
 };
 
 class DebugStages
 {
 public:
-    /** @param camera of the images
-    @param method of the tracker, see TrackingMethod */
-    DebugStages(const CameraModel& camera, int method)
-        : reduction_(std::max(1, camera.imageSize().width / 720)), scale_(camera.imageSize().width / reduction_ / 720.), zoom_(1)
+    //! @param method of the tracker, see TrackingMethod
+    explicit DebugStages(int method) : scale_(1), zoom_(1)
     {
-        camera_ = part(camera, Rect(0, 0, camera.imageSize().width / reduction_ * reduction_, camera.imageSize().height / reduction_ * reduction_), 1. / reduction_);
-        context_.zoneRadius *= scale_;
         if (method != METHOD_FULL)   // as the tracker does
         {
             context_.centredZones = false;
             context_.maxScale = context_.maxRotation = 0;
         }
-        drawing_.wholeTool = true;
         matcher_ = QGOMatcher::create();
         renderer_ = MeshRenderer::createSoftware();
     }
@@ -67,6 +62,13 @@ protected:
         return matches;
     }
 
+    std::vector<ContourPoint> zoomed(std::vector<ContourPoint> points) const
+    {
+        for (size_t i = 0; i < points.size(); i++)
+            points[i].imagePoint = zoomed(points[i].imagePoint);
+        return points;
+    }
+
     Mat zoomed(const Mat& image, int interpolation) const
     {
         Mat result;
@@ -74,98 +76,51 @@ protected:
         return result;
     }
 
-    //! Begins a frame.
-    void setImage(const Mat& image, const std::vector<DebugTool>& tools)
+    //! The drawing that the templates were cut from: lit as they were, on grey. covered: where a tool is
+    Mat lit(Mat* covered = 0) const
     {
-        if (!templates_)
-        {
-            templates_ = PartTemplateRenderer::create(renderer_, drawing_);
-            for (size_t i = 0; i < tools.size(); i++)
-                templates_->addTool(tools[i].model);
-        }
-        resize(image, image_, camera_.imageSize(), 0, 0, INTER_AREA);
+        const Rendering& r = sight_.rendering;
+        Mat picture(sight_.camera.imageSize(), CV_8UC3, Scalar::all(80)), shading, ids = Mat::zeros(picture.size(), CV_8UC1);
+        r.shading.convertTo(shading, CV_8U, 0.85, 0.15 * 255);
+        cvtColor(shading, shading, COLOR_GRAY2BGR);
+        shading.copyTo(picture(r.window), r.ids);
+        r.ids.copyTo(ids(r.window));
+        if (covered)
+            *covered = ids;
+        return picture;
     }
 
-    //! The stages up to the inliers. Returns whether there is a part to look at.
-    bool look(const std::vector<DebugTool>& tools, int index)
+    //! Begins a picture of a tool. Returns whether there is a part to look at.
+    bool look(const Mat& image, const DebugTool& tool)
     {
-        const DebugTool& tool = tools[index];
-        std::vector<ToolView> views(tools.size());
-        for (size_t i = 0; i < tools.size(); i++)
-        {
-            views[i].camera_T_base = tools[i].expected_camera_T_base;
-            tools[i].model->forwardKinematics(tools[i].expectedJoints, views[i].base_T_link);
-        }
-        templates_->render(camera_, views, index, parts_);
-        if (parts_.empty())
+        sight_ = tool.sight;
+        if (sight_.templates.empty())
             return false;
-        const ToolTracker::Params tracker;
-        windows_.clear();
-        Rect box;
-        for (size_t i = 0; i < parts_.size(); i++)
-        {
-            const PartTemplate& t = parts_[i];
-            const int half = cvRound(tool.known ? tracker.minWindow * scale_ : tracker.initialWindow * std::max(camera_.fx, camera_.fy) / t.viewPoint.z);
-            windows_.push_back(Rect(t.anchor.x - half, t.anchor.y - half, 2 * half + 1, 2 * half + 1) & Rect(Point(), camera_.imageSize()));
-            box = box.empty() ? windows_[i] : box | windows_[i];
-        }
+        const Size all = sight_.camera.imageSize();
+        scale_ = all.width / 720.;
+        resize(image, image_, all, 0, 0, INTER_AREA);
         matcher_->setImage(image_);
-        matcher_->match(parts_, windows_, matches_);
-        const Ptr<GeometricContextVerifier> verifier = GeometricContextVerifier::create(context_);
-        verifier->verify(matches_, inliers_);
-        sample_ = verifier->sample();
-
+        Rect box;
+        for (size_t i = 0; i < sight_.found.windows.size(); i++)
+            box = box.empty() ? sight_.found.windows[i] : box | sight_.found.windows[i];
         // The parts' surroundings, of the image's shape, so that all pictures are of one size.
-        const Size all = camera_.imageSize();
         const double share = std::min(1., std::max(double(box.width) / all.width, double(box.height) / all.height));
         const Size size(std::max(8, cvFloor(share * all.width)), std::max(8, cvFloor(share * all.height)));
         const Point at(box.x + box.width / 2 - size.width / 2, box.y + box.height / 2 - size.height / 2);
         crop_ = Rect(Point(std::min(std::max(at.x, 0), all.width - size.width), std::min(std::max(at.y, 0), all.height - size.height)), size);
         zoom_ = std::max(1, cvRound(double(WIDTH) / size.width));
-        view_ = part(camera_, crop_, zoom_);
+        view_ = part(sight_.camera, crop_, zoom_);
         return true;
     }
 
-    //! The edges about the outline where the tool was found, in zoomed points. Returns how many are within 1.5 pixels.
-    int findOutline(const std::vector<DebugTool>& tools, int index, std::vector<ContourPoint>& points)
-    {
-        std::vector<ToolView> views(tools.size());
-        for (size_t i = 0; i < tools.size(); i++)
-        {
-            views[i].camera_T_base = tools[i].found_camera_T_base;
-            tools[i].model->forwardKinematics(tools[i].foundJoints, views[i].base_T_link);
-        }
-        std::vector<PartTemplate> parts;
-        templates_->render(camera_, views, index, parts);
-        ToolContour::create(tools[index].model)->sample(camera_, views[index], templates_->rendering(), index + 1, points);
-        ContourSearch search;   // that of ToolEstimate::contourSupport
-        search.halfWindow = std::min(40., std::max(2., 6 * scale_));
-        search.preference = 0;
-        search.ambiguity = 1;
-        matchContour(image_, points, search);
-        int supported = 0;
-        for (size_t i = 0; i < points.size(); i++)
-        {
-            supported += points[i].found && std::abs(points[i].offset) < 1.5 * scale_;
-            points[i].imagePoint = zoomed(points[i].imagePoint);
-        }
-        return supported;
-    }
-
-    int reduction_;       // of the images, as in the tracker
-    double scale_;        // of thresholds given for images 720 pixels wide
-    CameraModel camera_;  // of the reduced image
-    GeometricContextVerifier::Params context_;
-    PartTemplateRenderer::Params drawing_;
+    GeometricContextVerifier::Params context_;   // of the tracker, but for its scale
     Ptr<MeshRenderer> renderer_;
-    Ptr<PartTemplateRenderer> templates_;
     Ptr<QGOMatcher> matcher_;
 
     // of one tool in one frame
-    Mat image_;
-    std::vector<PartTemplate> parts_;
-    std::vector<Rect> windows_;
-    std::vector<PartMatch> matches_, inliers_, sample_;
+    ToolSight sight_;
+    double scale_;        // of thresholds given for images 720 pixels wide
+    Mat image_;           // reduced as the tracker does
     Rect crop_;           // what the pictures show,
     int zoom_;            // so much larger
     CameraModel view_;    // of the pictures

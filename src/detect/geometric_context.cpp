@@ -89,7 +89,13 @@ public:
     }
 
     bool verify(const std::vector<PartMatch>& matches, std::vector<PartMatch>& inliers) CV_OVERRIDE;
-    std::vector<PartMatch> sample() const CV_OVERRIDE { return result_.empty() ? std::vector<PartMatch>() : std::vector<PartMatch>(sample_, sample_ + 2); }
+    std::vector<PartMatch> sample() const CV_OVERRIDE
+    {
+        std::vector<PartMatch> matches;
+        copySample(matches);
+        return matches;
+    }
+    void copySample(std::vector<PartMatch>& matches) const CV_OVERRIDE { matches.assign(sample_, sample_ + (result_.empty() ? 0 : 2)); }
 
 private:
     bool sameZone(const PolarGrid& drawing, const PolarGrid& image, const PartMatch& m) const;

@@ -63,6 +63,7 @@ public:
     void setImage(const Mat& image) CV_OVERRIDE;
     void release() CV_OVERRIDE { image_.release(); }
     const Mat& pixels(const Rect& region) CV_OVERRIDE;
+    void prepare(const Rect& region) CV_OVERRIDE;
     void find(const PartDrawing& drawing, const PartWindows& windows, GeometricContextVerifier& verifier, FoundParts& found) CV_OVERRIDE;
 
 private:
@@ -77,6 +78,7 @@ private:
     Ptr<PartTemplateRenderer> templates_;
     Ptr<QGOMatcher> matcher_;
     Mat image_, reduced_;    // reduced: up to date where it was asked for
+    Rect prepared_;          // of it, for matching
     std::vector<Point2d> expected_;   // a template; memory of find()
 };
 
@@ -97,6 +99,7 @@ void PartFinderImpl::setImage(const Mat& image)
     checkImage(image);
     CV_Assert(image.size() == imageSize_ && "image: of the camera's size");
     image_ = image;
+    prepared_ = Rect();
 }
 
 // In tiles so narrow that resize() has its tables on the stack and wakes no other thread.
@@ -115,6 +118,13 @@ const Mat& PartFinderImpl::pixels(const Rect& region)
         resize(image_(source), reduced_(tile), tile.size(), 0, 0, INTER_AREA);
     }
     return reduced_;
+}
+
+void PartFinderImpl::prepare(const Rect& region)
+{
+    const Rect all(Point(), camera_.imageSize());
+    prepared_ = region.empty() ? all : region & all;
+    matcher_->setImage(pixels(prepared_), prepared_);
 }
 
 // The windows, and what of the image they and the templates in them cover.
@@ -150,16 +160,18 @@ void PartFinderImpl::find(const PartDrawing& drawing, const PartWindows& windows
 {
     found.matches.clear();
     found.inliers.clear();
+    found.sample.clear();
     found.imageTime = found.matchTime = found.verifyTime = 0;
     const Rect roi = place(drawing, windows, found.windows);
     if (roi.empty()) return;
     Lap lap;
-    matcher_->setImage(pixels(roi), roi);
+    if ((roi & prepared_) != roi) prepare(roi);
     found.imageTime = lap();
     matcher_->match(drawing.templates, found.windows, found.matches);
     for (size_t i = 0; i < found.matches.size(); i++) found.matches[i].predictedPoint = expected_[found.matches[i].templateIndex];
     found.matchTime = lap();
     verifier.verify(found.matches, found.inliers);
+    verifier.copySample(found.sample);
     found.verifyTime = lap();
 }
 

@@ -5,7 +5,7 @@
 #ifndef OPENCV_SURGTRACK_SRC_TRACK_EVIDENCE_HPP
 #define OPENCV_SURGTRACK_SRC_TRACK_EVIDENCE_HPP
 
-#include "opencv2/surgtrack/part_finder.hpp"
+#include "opencv2/surgtrack/tool_tracker.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -15,7 +15,11 @@ sequences, at the true pose and at what was found about false hand-eye calibrati
 and 1.41 at 10, 50 and 90 %). */
 struct EvidenceThresholds
 {
-    EvidenceThresholds();
+    EvidenceThresholds()
+        : followed(0.9), start(1.12), sure(1.25), leastSimilarity(0.5), leastSupport(0.3), startSupport(0.45), outlineAlone(0.55), minParts(4),
+          sureNis(0.6), doubt(0.25), pushedGain(0.05)
+    {
+    }
 
     double followed;            // sum, of a pose that follows from the frame before: what a partly hidden tool in smoke still has
     double start;               // sum, of one that does not: above the wrong ones
@@ -52,8 +56,13 @@ struct Evidence
     bool isFirstPose(const EvidenceThresholds& t) const { return isStart(t) && parts > t.minParts; }
     //! Enough without a second frame. @param minInliers Params::minInitialInliers
     bool isSure(const EvidenceThresholds& t, int minInliers) const { return sum(t) >= t.sure && nis <= t.sureNis && parts >= minInliers; }
-    //! Enough to go on. @param state of the tool before this frame, see TrackingState
-    bool continues(const EvidenceThresholds& t, int state) const;
+    //! Enough to go on: a tool that is followed needs less, an outline alone only continues. @param state before this frame, see TrackingState
+    bool continues(const EvidenceThresholds& t, int state) const
+    {
+        const bool followed = state == STATE_TRACKING;
+        if (points) return followed ? sum(t) >= t.followed : isStart(t);
+        return (followed || state == STATE_COASTING) && support >= t.outlineAlone;
+    }
     //! For comparing first poses: the larger, the better.
     double merit(const EvidenceThresholds& t) const { return sum(t) - t.doubt * nis; }
 };

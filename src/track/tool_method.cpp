@@ -140,6 +140,10 @@ ToolSight ToolMethod::sight(size_t eye) const
     {
         result.views = from.drawing.views;
         result.templates = from.drawing.templates;
+        result.rendering.create(from.drawing.rendering.window);
+        from.drawing.rendering.depth.copyTo(result.rendering.depth);
+        from.drawing.rendering.ids.copyTo(result.rendering.ids);
+        from.drawing.rendering.shading.copyTo(result.rendering.shading);
     }
     result.found = from.found;
     result.outline = from.outline;

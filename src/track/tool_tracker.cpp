@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "opencv2/core/utils/logger.hpp"
 #include "track/tool_tracker.hpp"
 
 namespace cv { namespace surgtrack {
@@ -87,9 +88,13 @@ void ToolTrackerImpl::updateEyes(const Mat* images, size_t count, double time, c
         for (int i = 0; i < int(tools_.size()); i++) show(i);
         for (int i = 0; i < int(tools_.size()); i++)
         {
+            ToolMethod& tool = *tools_[i];
+            const int before = tool.state();
             scene_.lent = correctionOfAnother(i);
-            tools_[i]->measure(scene_, ahead && tools_[i]->usesDrawnAhead() ? &ahead->drawings[i] : 0);
+            tool.measure(scene_, ahead && tool.usesDrawnAhead() ? &ahead->drawings[i] : 0);
             show(i);
+            if (tool.state() != before)
+                CV_LOG_INFO(NULL, "surgtrack: tool " << i << ", " << tool.model()->name() << ": " << stateName(tool.state()) << " at " << time << " s");
         }
     }
     estimates.resize(tools_.size());

@@ -47,6 +47,8 @@ public:
     /** @brief The two matches that span the grids the inliers of the last verify() agree in: the centre, and a point on the axis.
     Empty after false. */
     CV_WRAP virtual std::vector<PartMatch> sample() const = 0;
+    //! The same, into memory that is there. @param matches result
+    virtual void copySample(std::vector<PartMatch>& matches) const = 0;
 };
 
 //! @}

@@ -38,6 +38,7 @@ struct CV_EXPORTS FoundParts
     std::vector<Rect> windows;               //!< a template; empty: outside of the image
     std::vector<PartMatch> matches;          //!< candidates, by falling similarity
     std::vector<PartMatch> inliers;          //!< of these, those whose arrangement agrees
+    std::vector<PartMatch> sample;           //!< GeometricContextVerifier::sample()
     double imageTime, matchTime, verifyTime; //!< what the stages took [s]
 };
 
@@ -88,6 +89,10 @@ public:
     virtual void release() = 0;
     /** @brief The reduced image, made where it is asked for. @param region where gradients are needed; empty: where they were asked for before */
     virtual const Mat& pixels(const Rect& region) = 0;
+
+    /** @brief Prepares a region of the image for matching, which find() does by itself for what it needs: worth it where much is looked for
+    in one image. @param region of the reduced image; empty: all of it */
+    virtual void prepare(const Rect& region = Rect()) = 0;
 
     /** @brief Matches templates in windows of the image and verifies their arrangement.
     @param drawing whose templates are looked for

@@ -72,6 +72,7 @@ struct CV_EXPORTS ToolSight
     CameraModel camera;                      //!< of all points below: of the reduced image, see PartFinder
     std::vector<ToolView> views;             //!< of all tools, as they were drawn, in the frame of this eye; none if drawn ahead
     std::vector<PartTemplate> templates;     //!< that were looked for; none if drawn ahead
+    Rendering rendering;                     //!< that they were cut from; none if drawn ahead
     FoundParts found;                        //!< windows, candidates and inliers
     std::vector<ContourPoint> outline;       //!< METHOD_FULL: at the pose, with the edges that contourSupport is counted from
 };
@@ -91,14 +92,14 @@ METHOD_FULL, per frame:
 - The outline is placed where this pose has it (ToolContour), edges are sought on its normals (matchContour()), within 8, 5 and
   3 pixels in turn (at 720 px width), and taken in together with the parts. Parts tell from far off where the tool is, to some
   pixels; edges are many and exact to a fraction of a pixel, but need a pose within some pixels to begin with.
-- Evidence is `similarity + contourSupport`. Tissue may look like parts, or like an outline, but not like both at once: right poses
-  have 1.2 to 1.8, wrong ones up to 1.1. A tool that is followed needs 0.9, one that is not 1.12, and to count as tracking without
-  a second frame 1.25. The outline alone does, with a support of 0.55, where fewer than four parts are seen.
+- Evidence is `similarity + contourSupport`. Tissue may look like parts, or like an outline, but not like both at once. A tool that is
+  followed needs least of it, one that is not needs more, and one that is to count as tracking without a second frame needs most. The
+  outline alone does where fewer than four parts are seen, if it is well supported. (Thresholds: src/track/evidence.hpp.)
 - A push of the camera: where points or edges fit badly to a correction that changes slowly, the frame is measured once more with
-  P grown by 1 degree and 2 mm; if that has more evidence it is kept, and the process noise stays raised for ten frames. If it has
+  P grown by what a push does; if that has more evidence it is kept, and the process noise stays raised for some frames. If it has
   not and the points fit badly, they are the wrong ones: the outline alone is taken.
 - First pose: nine drawings (paper, Sec. 2.1: scales 0.8, 1, 1.2, rotations 0, +-15 degrees); the three with the largest summed
-  similarity are fitted, parts and outline, in four rounds each; the first one with evidence is taken, as the summed similarity
+  similarity are fitted, parts and outline, in four rounds each; the one with the most evidence is taken, as the summed similarity
   alone does not tell good from bad. The process noise is raised for the frames after it: two poses may look alike in one frame.
 - A tool that is not seen is sought in every frame with one of the nine drawings, in turn about its last pose and about the
   hand-eye calibration itself, since either may be the better guess. What is found there must be confirmed by the next frames;
@@ -111,8 +112,8 @@ Each tool has a state of its own. The result depends on the input alone: same im
 
 **Threads.** One thread at a time may call a tracker; different trackers do not know of each other. renderAhead() has the only thread
 of its own. **Cost**, some 720 pixels wide: update() takes milliseconds (doc/performance.md), ten times as long where a tool is sought;
-addTool(), replaceTool(), removeTool() and setRightCamera() milliseconds; all others microseconds. **Messages** go to OpenCV's log at the
-level debug: none by default. */
+addTool(), replaceTool(), removeTool() and setRightCamera() milliseconds; all others microseconds. **Messages**, of changes of
+state, go to OpenCV's log at the level info: none by default. */
 class CV_EXPORTS_W ToolTracker
 {
 public:

@@ -26,16 +26,16 @@ const double jointDeviation = 0.03, slideDeviation = 0.001;   // constant errors
 } // namespace
 
 TimeOffsetEstimator::TimeOffsetEstimator(const Sequence& sequence, const TimeOffsetParams& params)
-    : sequence_(sequence), params_(params), reduction_(std::max(1, sequence.leftCamera().imageSize().width / referenceWidth)),
-      camera_(reduceCamera(sequence.leftCamera(), reduction_)), pixelScale_(camera_.imageSize().width / double(referenceWidth)), blocks_(1)
+    : sequence_(sequence), params_(params),
+      camera_(reduceCamera(sequence.leftCamera(), std::max(1, sequence.leftCamera().imageSize().width / referenceWidth))), blocks_(1)
 {
     PartTemplateRenderer::Params drawing;
     drawing.maxFeatures = coarseFeatures;
-    coarseRenderer_ = PartTemplateRenderer::create(Ptr<MeshRenderer>(), drawing);
-    renderer_ = PartTemplateRenderer::create();
-    matcher_ = QGOMatcher::create();
+    const Ptr<PartTemplateRenderer> few = PartTemplateRenderer::create(Ptr<MeshRenderer>(), drawing), all = PartTemplateRenderer::create();
+    coarse_ = PartFinder::create(camera_, few);   // of images that are reduced when they are read
+    fine_ = PartFinder::create(camera_, all);
     GeometricContextVerifier::Params context;
-    context.zoneRadius *= pixelScale_;
+    context.zoneRadius *= fine_->pixelScale();
     context.seed = params.seed;
     verifier_ = GeometricContextVerifier::create(context);
     std::map<String, Ptr<ToolModel> > models;
@@ -52,8 +52,8 @@ TimeOffsetEstimator::TimeOffsetEstimator(const Sequence& sequence, const TimeOff
         for (size_t k = 0; k < model->links().size(); k++)
             if (model->links()[k].jointType == ToolModel::JOINT_PRISMATIC) tool.deviations[model->links()[k].coordinate] = slideDeviation;
         tools_.push_back(tool);
-        coarseRenderer_->addTool(model);
-        renderer_->addTool(model);
+        few->addTool(model);
+        all->addTool(model);
     }
     // Times of frames are whole numbers of cells, so that a drawing serves many frames.
     const double interval = 1 / sequence.fps();
@@ -68,22 +68,24 @@ TimeOffsetEstimator::TimeOffsetEstimator(const Sequence& sequence, const TimeOff
 }
 
 // Draws the tools as the fit has them and finds them anew.
-bool TimeOffsetEstimator::measureAgain(const TimeOffsetFit& fit, PartTemplateRenderer& renderer, std::vector<OffsetMeasurement>& measurements)
+bool TimeOffsetEstimator::measureAgain(const TimeOffsetFit& fit, PartFinder& finder, std::vector<OffsetMeasurement>& measurements)
 {
     measurements.clear();
     std::vector<ToolView> views(tools_.size());
-    std::vector<PartTemplate> templates;
+    PartDrawing drawing;
+    FoundParts found;
     for (size_t f = 0; f < frames_.size(); f++)
     {
         bool known = true;
         for (size_t i = 0; i < tools_.size(); i++) known = known && fit.view(int(i), blockOf(f), times_[f], views[i]);
         if (!known) continue;
-        matcher_->setImage(frames_[f]);
+        finder.setImage(frames_[f]);
         for (size_t i = 0; i < tools_.size(); i++)
         {
             OffsetMeasurement m;
-            renderer.render(camera_, views, int(i), templates);
-            locate(templates, refineWindow * pixelScale_, 0, m.inliers);
+            finder.draw(views, int(i), drawing);
+            finder.find(drawing, PartWindows(cvRound(refineWindow * finder.pixelScale())), *verifier_, found);
+            m.inliers = found.inliers;
             m.tool = int(i);
             m.block = blockOf(f);
             m.time = times_[f];
@@ -124,7 +126,7 @@ bool TimeOffsetEstimator::refine(OffsetCandidate& candidate, bool thorough)
     for (int i = 0; i < 4; i++)
         if (!fit.run(measurements, scales[i], 5, reach)) return false;
     for (int pass = 0; pass < (thorough ? 3 : 1); pass++)
-        if (!measureAgain(fit, thorough ? *renderer_ : *coarseRenderer_, measurements) || !fit.run(measurements, pass == 0 ? 12 : 9, 8, reach)) return false;
+        if (!measureAgain(fit, thorough ? *fine_ : *coarse_, measurements) || !fit.run(measurements, pass == 0 ? 12 : 9, 8, reach)) return false;
     candidate.offset = fit.offset();
     candidate.deviation = fit.deviation();
     candidate.settled = std::abs(fit.offset() - params_.expected - candidate.cell * step_) < 0.99 * reach;
@@ -144,7 +146,7 @@ void TimeOffsetEstimator::support(const TimeOffsetFit& fit, const std::vector<Of
         int agreeing = 0;
         for (size_t k = 0; k < m.inliers.size(); k++)
         {
-            if (fit.residual(m.tool, view, m.inliers[k]) > agreement * pixelScale_) continue;
+            if (fit.residual(m.tool, view, m.inliers[k]) > agreement * fine_->pixelScale()) continue;
             candidate.support += std::max(0., m.inliers[k].similarity - chanceSimilarity);
             agreeing++;
         }

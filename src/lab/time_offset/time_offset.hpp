@@ -40,26 +40,22 @@ public:
 
 private:
     void readFrames();
-    bool drawn(int cell, std::vector<std::vector<PartTemplate> >& templates);
+    bool drawn(int cell, std::vector<PartDrawing>& drawings);
     void searchAll();
     double coarseScore(int cell) const;
     std::vector<int> peaks() const;
     double overlapOf(int cell) const { return frameCounts_[cell + reach_] * stride_ / sequence_.fps(); }
     bool refine(OffsetCandidate& candidate, bool thorough);
-    bool measureAgain(const TimeOffsetFit& fit, PartTemplateRenderer& renderer, std::vector<OffsetMeasurement>& measurements);
+    bool measureAgain(const TimeOffsetFit& fit, PartFinder& finder, std::vector<OffsetMeasurement>& measurements);
     void support(const TimeOffsetFit& fit, const std::vector<OffsetMeasurement>& measurements, OffsetCandidate& candidate) const;
     bool choose(OffsetCandidate& best, double& second);
-    void locate(const std::vector<PartTemplate>& templates, double halfWidth, double shift, std::vector<PartMatch>& inliers);
     int blockOf(size_t frame) const { return int(frame * blocks_ / frames_.size()); }
 
     const Sequence& sequence_;
     TimeOffsetParams params_;
-    int reduction_;
-    CameraModel camera_;
-    double pixelScale_;
+    Ptr<PartFinder> coarse_, fine_;  // coarse: with fewer features
+    CameraModel camera_;             // of the reduced images
     std::vector<OffsetTool> tools_;
-    Ptr<PartTemplateRenderer> coarseRenderer_, renderer_;
-    Ptr<QGOMatcher> matcher_;
     Ptr<GeometricContextVerifier> verifier_;
 
     double step_;                    // of cells [s]
@@ -68,7 +64,7 @@ private:
     std::vector<Mat> frames_;
     std::vector<double> times_;
     int blocks_;
-    std::map<int, std::vector<std::vector<PartTemplate> > > templates_;   // by cell of their readings' time
+    std::map<int, std::vector<PartDrawing> > drawings_;   // by cell of their readings' time; a tool
     std::vector<OffsetDetection> detections_;
     std::vector<double> sums_;       // of scores, a cell of the offset
     std::vector<int> counts_;        // of frames and tools with readings, likewise

@@ -55,7 +55,7 @@ void TimeOffsetEstimator::readFrames()
             CV_Error(Error::StsUnmatchedSizes, format("%s: frame %d has %dx%d pixels, expected %dx%d as in sequence.yaml", filename.c_str(),
                                                       frame, image.cols, image.rows, size.width, size.height));
         Mat kept;
-        if (reduction_ > 1) resize(image, kept, camera_.imageSize(), 0, 0, INTER_AREA);
+        if (image.size() != camera_.imageSize()) resize(image, kept, camera_.imageSize(), 0, 0, INTER_AREA);
         else kept = image.clone();
         frames_.push_back(kept);
         times_.push_back(frame / fps);
@@ -64,11 +64,10 @@ void TimeOffsetEstimator::readFrames()
         blocks_ = std::min(maxBlocks, std::max(1, cvRound((times_.back() - times_.front()) / blockTime)));
 }
 
-// The templates of all tools as the readings of a time say they look: times of the readings are expected + cell * step.
-// Returns false without readings.
-bool TimeOffsetEstimator::drawn(int cell, std::vector<std::vector<PartTemplate> >& templates)
+// All tools as the readings of a time say they look: times of the readings are expected + cell * step. Returns false without readings.
+bool TimeOffsetEstimator::drawn(int cell, std::vector<PartDrawing>& drawings)
 {
-    templates.resize(tools_.size());
+    drawings.resize(tools_.size());
     std::vector<ToolView> views(tools_.size());
     for (size_t i = 0; i < tools_.size(); i++)
     {
@@ -77,59 +76,60 @@ bool TimeOffsetEstimator::drawn(int cell, std::vector<std::vector<PartTemplate> 
         tools_[i].model->forwardKinematics(joints, views[i].base_T_link);
         views[i].camera_T_base = tools_[i].nominal_T_base;
     }
-    for (size_t i = 0; i < tools_.size(); i++) coarseRenderer_->render(camera_, views, int(i), templates[i]);
+    for (size_t i = 0; i < tools_.size(); i++)
+    {
+        coarse_->draw(views, int(i), drawings[i]);
+        drawings[i].rendering = Rendering();   // many are kept, and only templates are needed
+    }
     return true;
 }
 
-// Matches and verifies in the image set. Windows: halfWidth [pixel] or, if that is 0, a shift on the tool [m].
-void TimeOffsetEstimator::locate(const std::vector<PartTemplate>& templates, double halfWidth, double shift, std::vector<PartMatch>& inliers)
+// Windows for a shift on the tool [m].
+static PartWindows windowsFor(const PartDrawing& drawing, const CameraModel& camera, int parts, double shift)
 {
-    const Rect all(Point(), camera_.imageSize());
-    std::vector<Rect> windows;
-    std::vector<PartTemplate> wanted;
-    for (size_t i = 0; i < templates.size(); i++)
+    PartWindows windows(DBL_MAX);
+    windows.deviations.resize(parts);
+    for (size_t i = 0; i < drawing.templates.size(); i++)
     {
-        const PartTemplate& t = templates[i];
-        const int h = cvRound(halfWidth > 0 ? halfWidth : shift * std::max(camera_.fx, camera_.fy) / std::max(t.viewPoint.z, 0.02));
-        const Rect window = Rect(t.anchor.x - h, t.anchor.y - h, 2 * h + 1, 2 * h + 1) & all;
-        if (window.empty()) continue;
-        windows.push_back(window);
-        wanted.push_back(t);
+        const PartTemplate& t = drawing.templates[i];
+        const double half = cvRound(shift * std::max(camera.fx, camera.fy) / std::max(t.viewPoint.z, 0.02));
+        windows.deviations[t.part] = Point2d(half, half) / 3;
+        windows.halfWidth = std::min(windows.halfWidth, half);
     }
-    inliers.clear();
-    if (wanted.empty()) return;
-    std::vector<PartMatch> matches;
-    matcher_->match(wanted, windows, matches);
-    verifier_->verify(matches, inliers);
+    return windows;
 }
 
 // Every frame with the readings of every time within the range.
 void TimeOffsetEstimator::searchAll()
 {
+    FoundParts found;
     for (size_t f = 0; f < frames_.size(); f++)
     {
         const int at = cvRound(times_[f] / step_);
-        matcher_->setImage(frames_[f]);
-        templates_.erase(templates_.begin(), templates_.lower_bound(at - reach_));
+        coarse_->setImage(frames_[f]);
+        coarse_->prepare();
+        drawings_.erase(drawings_.begin(), drawings_.lower_bound(at - reach_));
         for (int cell = -reach_; cell <= reach_; cell++)
         {
-            std::map<int, std::vector<std::vector<PartTemplate> > >::iterator it = templates_.find(at + cell);
-            if (it == templates_.end())
+            std::map<int, std::vector<PartDrawing> >::iterator it = drawings_.find(at + cell);
+            if (it == drawings_.end())
             {
-                it = templates_.insert(std::make_pair(at + cell, std::vector<std::vector<PartTemplate> >())).first;
+                it = drawings_.insert(std::make_pair(at + cell, std::vector<PartDrawing>())).first;
                 if (!drawn(at + cell, it->second)) it->second.clear();
             }
             if (it->second.empty()) continue;
             frameCounts_[cell + reach_]++;
             for (size_t i = 0; i < tools_.size(); i++)
             {
-                OffsetDetection d;
-                locate(it->second[i], 0, searchShift, d.inliers);
+                const PartDrawing& drawing = it->second[i];
                 counts_[cell + reach_]++;
-                if (d.inliers.empty()) continue;
+                coarse_->find(drawing, windowsFor(drawing, camera_, int(tools_[i].model->keypoints().size()), searchShift), *verifier_, found);
+                if (found.inliers.empty()) continue;
+                OffsetDetection d;
                 d.tool = int(i);
                 d.cell = cell;
                 d.frame = f;
+                d.inliers = found.inliers;
                 d.score = scoreOf(d.inliers);
                 sums_[cell + reach_] += d.score;
                 detections_.push_back(d);
