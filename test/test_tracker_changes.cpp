@@ -101,7 +101,7 @@ TEST_P(SurgTrack_Changes, anExchangedInstrumentIsFoundWithinTenFrames)
     EXPECT_LE(first, 3);   // it begins where the calibration was learnt to be
 }
 
-TEST(SurgTrack_Changes, aToolThatIsRemovedTakesNothingWithIt)
+TEST(SurgTrack_ToolTracker, aToolThatIsRemovedTakesNothingWithIt)
 {
     const Recording r(scene(2, 2), 14);
     Ptr<ToolTracker> tracker = r.tracker(METHOD_FULL);
