@@ -455,7 +455,12 @@ void ToolTrackerImpl::updateEyes(double time, const std::vector<std::vector<doub
     }
     estimates.resize(tools_.size());
     if (ahead_) ahead_->nextFrame();
-    for (size_t i = 0; i < tools_.size(); i++) report(tools_[i], views_[i], estimates[i]);
+    for (size_t i = 0; i < tools_.size(); i++)
+    {
+        report(tools_[i], views_[i], estimates[i]);
+        estimates[i].joints = joints_[i];
+        for (size_t k = 0; k < joints_[i].size(); k++) estimates[i].joints[k] += estimates[i].jointOffsets[k];
+    }
     for (size_t i = 0; i < eyes_.size(); i++) eyes_[i].image.release();
     times_.endFrame();
 }

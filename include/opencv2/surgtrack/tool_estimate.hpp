@@ -34,6 +34,7 @@ struct CV_EXPORTS_W_SIMPLE ToolEstimate
     CV_PROP Matx44d camera_T_nominal;    //!< the correction of the hand-eye calibration
     CV_PROP Matx66d covariance;          //!< of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame; zero with METHOD_EPNP
     CV_PROP std::vector<double> jointOffsets;   //!< METHOD_FULL: one per coordinate, what is added to the reading [rad or m], and 0 where ToolModel::offsetDeviations() is; else zeros
+    CV_PROP std::vector<double> joints;  //!< one per coordinate, those the pose is of: the readings with jointOffsets [rad or m]
     CV_PROP int visibleParts;            //!< parts that had a template, in the left image
     CV_PROP int inliers;                 //!< matches in the left image that agreed on the geometric context and went into the pose; 0 if nothing was measured, or METHOD_FULL followed the outline alone
     CV_PROP double similarity;           //!< mean similarity of the inliers, 0..1; 0 without inliers
