@@ -108,6 +108,7 @@ TEST_F(SurgTrack_Sequence, readsEveryKey)
 {
     const Ptr<Sequence> s = Sequence::load(folder);
     EXPECT_EQ("bench", s->name());
+    EXPECT_EQ(cv::utils::fs::join(folder, "groundtruth.csv"), s->groundTruthFile());
     EXPECT_EQ(25, s->fps());
     EXPECT_EQ(Size(720, 576), s->leftCamera().imageSize());
     EXPECT_EQ(822, s->leftCamera().fy);
@@ -223,6 +224,66 @@ TEST_F(SurgTrack_Sequence, groundTruthMayLackJointsOrBeAbsent)
     cv::utils::fs::remove_all(cv::utils::fs::join(folder, "groundtruth.csv"));
     EXPECT_FALSE(Sequence::load(folder)->hasGroundTruth());
     EXPECT_EQ(0, Sequence::load(folder)->groundTruthEnd());
+}
+
+TEST_F(SurgTrack_Sequence, readsKeypoints)
+{
+    put("keypoints.csv", "frame,tool,keypoint,u,v,x,y,z,visible\n"
+                         "3,PSM1,tip,10.5,20,0.01,0.02,0.1,1\n"
+                         "3,PSM2,tip,30,40,0,0,0.2,1\n"
+                         "3,PSM1,pivot,-5,60,,,,0\n");
+    const Ptr<Sequence> s = Sequence::load(folder);
+    EXPECT_TRUE(s->hasKeypoints());
+    EXPECT_EQ(cv::utils::fs::join(folder, "keypoints.csv"), s->keypointsFile());
+    const std::vector<TrueKeypoint> points = s->keypoints(0, 3);
+    ASSERT_EQ(2u, points.size());
+    EXPECT_EQ("tip", points[0].name);
+    EXPECT_EQ(Point2d(10.5, 20), points[0].imagePoint);
+    EXPECT_EQ(Point3d(0.01, 0.02, 0.1), points[0].cameraPoint);
+    EXPECT_TRUE(points[0].visible);
+    EXPECT_EQ("pivot", points[1].name);
+    EXPECT_EQ(Point3d(), points[1].cameraPoint) << "no x, y, z";
+    EXPECT_FALSE(points[1].visible);
+    EXPECT_EQ(1u, s->keypoints(1, 3).size());
+    EXPECT_TRUE(s->keypoints(0, 2).empty());
+    EXPECT_THROW(s->keypoints(2, 3), cv::Exception);
+}
+
+TEST_F(SurgTrack_Sequence, keypointsMayLackColumnsAndPointsOrBeAbsentOrElsewhere)
+{
+    EXPECT_FALSE(Sequence::load(folder)->hasKeypoints());
+    EXPECT_TRUE(Sequence::load(folder)->keypoints(0, 0).empty());
+    put("keypoints.csv", "frame,tool,keypoint,u,v,x,y,z,visible\n");
+    EXPECT_TRUE(Sequence::load(folder)->hasKeypoints()) << "of the header alone";
+    EXPECT_TRUE(Sequence::load(folder)->keypoints(0, 0).empty());
+    put("labels.csv", "keypoint,frame,tool,visible,u,v\ntip,0,PSM1,1,7,8\n");
+    put("sequence.yaml", replaced(DESCRIPTION, "kinematics:", "keypoints: \"labels.csv\"\nkinematics:"));
+    const std::vector<TrueKeypoint> points = Sequence::load(folder)->keypoints(0, 0);
+    ASSERT_EQ(1u, points.size());
+    EXPECT_EQ(Point2d(7, 8), points[0].imagePoint);
+    EXPECT_FALSE(Sequence::load(folder, false)->hasKeypoints()) << "without its recording";
+}
+
+TEST_F(SurgTrack_Sequence, errorsNameFileAndLineOfTheKeypoints)
+{
+    const char* const lines[] = { "0,PSM3,tip,1,2,1", "0,PSM1,tip,1,2,2", "0,PSM1,tip,1,x,1", "-1,PSM1,tip,1,2,1" };
+    const char* const words[] = { "PSM3", "visible", "v is 'x'", "frame" };
+    for (int i = 0; i < 4; i++)
+    {
+        put("keypoints.csv", String("frame,tool,keypoint,u,v,visible\n") + lines[i] + "\n");
+        const Ptr<Sequence> s = Sequence::load(folder);   // who does not ask for them is not told
+        for (int again = 0; again < 2; again++)
+            try
+            {
+                s->keypoints(0, 0);
+                ADD_FAILURE() << "no exception, expected one with " << words[i];
+            }
+            catch (const cv::Exception& e)
+            {
+                EXPECT_NE(String::npos, e.err.find("keypoints.csv, line 2")) << e.err;
+                EXPECT_NE(String::npos, e.err.find(words[i])) << e.err;
+            }
+    }
 }
 
 TEST_F(SurgTrack_Sequence, errorsNameFileAndKeyOfTheDescription)

@@ -107,8 +107,8 @@ inline void addSequence(Fingerprint& print, const String& folder)
     {
         const Ptr<Sequence> sequence = Sequence::load(folder);
         print.addFile(sequence->kinematicsFile());
-        print.addFile(fileOf(folder, "groundtruth", "groundtruth.csv"));
-        print.addFile(fileOf(folder, "keypoints", "keypoints.csv"));
+        print.addFile(sequence->groundTruthFile());
+        print.addFile(sequence->keypointsFile());
         print.addFile(sequence->leftVideo());
         print.addFile(sequence->rightVideo());
         for (int i = 0; i < sequence->toolCount(); i++)

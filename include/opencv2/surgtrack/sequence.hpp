@@ -23,7 +23,17 @@ struct CV_EXPORTS_W_SIMPLE SequenceTool
     CV_PROP Matx44d nominal_T_base;     //!< the calibrated, wrong, hand-eye: the key camera_T_base of the file
 };
 
-/** @brief A recorded sequence: a folder with sequence.yaml, video, kinematics.csv and, where known, groundtruth.csv.
+/** @brief Where a keypoint of a tool truly is in a frame. */
+struct CV_EXPORTS_W_SIMPLE TrueKeypoint
+{
+    CV_WRAP TrueKeypoint();
+    CV_PROP String name;            //!< as in the tool file
+    CV_PROP Point2d imagePoint;     //!< in the (distorted) left image [pixel]
+    CV_PROP Point3d cameraPoint;    //!< in the left camera's frame [m]; zeros where keypoints.csv has no x, y, z
+    CV_PROP bool visible;           //!< nothing hides it
+};
+
+/** @brief A recorded sequence: a folder with sequence.yaml, video, kinematics.csv and, where known, groundtruth.csv and keypoints.csv.
 The format is described in doc/formats.md. Frame k is at time k / fps. Keys and columns that are not known are ignored. */
 class CV_EXPORTS_W Sequence
 {
@@ -89,7 +99,22 @@ public:
     /** @brief One more than the last frame with ground truth; 0 without. */
     CV_WRAP int groundTruthEnd() const;
 
+    /** @brief Path of groundtruth.csv, whether there is one or not. */
+    CV_WRAP String groundTruthFile() const { return groundTruthFile_; }
+
+    /** @brief True places of a tool's keypoints in a frame, in the order of the file.
+    @param tool index
+    @param frame number
+    @return empty if there are none of this frame, or no keypoints.csv
+    @throws cv::Exception naming file, line and what was expected; the file is read when it is first asked for */
+    CV_WRAP std::vector<TrueKeypoint> keypoints(int tool, int frame) const;
+    /** @brief Whether the folder has a keypoints.csv; it may hold no points. */
+    CV_WRAP bool hasKeypoints() const;
+    /** @brief Path of keypoints.csv, whether there is one or not. */
+    CV_WRAP String keypointsFile() const { return keypointsFile_; }
+
 private:
+    struct KeypointRecords;
     struct JointRecords { std::vector<double> times; std::vector<double> values; };   // values: row-major, a row a time
     struct Truth { Matx44d camera_T_tool; std::vector<double> joints; };
 
@@ -97,16 +122,19 @@ private:
     void readDescription(const String& folder, const String& filename, bool recorded);
     void readKinematics();
     void readGroundTruth();
+    void readKeypoints() const;
     const JointRecords& records(int tool) const;
 
-    String name_, leftVideo_, rightVideo_, kinematicsFile_, groundTruthFile_;
+    String name_, leftVideo_, rightVideo_, kinematicsFile_, groundTruthFile_, keypointsFile_;
     double fps_;
     CameraModel left_, right_;
     Matx44d right_T_left_;
     std::vector<SequenceTool> tools_;
     std::vector<String> jointNames_;
     std::vector<JointRecords> records_;                // a tool
+    bool hasGroundTruth_;
     std::vector<std::map<int, Truth> > truth_;         // a tool, by frame
+    Ptr<KeypointRecords> keypoints_;
 };
 
 /** @brief Writes a poses CSV: `frame,time,tool,status,tx,ty,tz,qx,qy,qz,qw` and further columns.

@@ -489,6 +489,15 @@ class surgtrack_test(NewOpenCVTests):
         self.assertFalse(sequence.groundTruth(1, 6)[0])
         self.assertTrue(sequence.hasGroundTruth())
         self.assertEqual(sequence.groundTruthEnd(), 6)
+        self.assertEqual(sequence.groundTruthFile(), self.path('groundtruth.csv'))
+        self.assertEqual(sequence.keypointsFile(), self.path('keypoints.csv'))
+        self.assertTrue(sequence.hasKeypoints())
+        points = sequence.keypoints(1, 5)
+        self.assertEqual([p.name for p in points], list(scene.model().keypointNames()))
+        projected = scene.camera().projectPoints(np.array([p.cameraPoint for p in points])).reshape(-1, 2)
+        np.testing.assert_allclose([p.imagePoint for p in points], projected, atol=1e-4)   # nine digits in the file
+        self.assertTrue(any(p.visible for p in points) and not all(p.visible for p in points))
+        self.assertEqual(len(sequence.keypoints(1, 6)), 0)
         video = cv.VideoCapture(sequence.leftVideo())
         self.assertEqual(video.get(cv.CAP_PROP_FRAME_COUNT), 6)
 
