@@ -401,6 +401,46 @@ TEST(SurgTrack_PoseWriter, rowsReadBackAsTheyWereWritten)
     remove(filename.c_str());
 }
 
+TEST(SurgTrack_PoseWriter, estimatesFillTheFurtherColumns)
+{
+    const Ptr<ToolModel> first = ToolModel::needleDriver();
+    ToolModel::Description other;   // of another tool: it shares a coordinate, at another place
+    other.name = "probe";
+    other.coordinates.push_back("turn");
+    other.coordinates.push_back("q4");
+    other.links.resize(1);
+    const std::vector<Ptr<ToolModel> > models = {first, ToolModel::create(other)};
+    const String filename = cv::tempfile(".csv");
+    {
+        const Ptr<PoseWriter> writer = PoseWriter::create(filename, {"PSM1", "PSM2"}, models, {"latency"});
+        ToolEstimate e;
+        e.state = STATE_TRACKING;
+        e.camera_T_tool(2, 3) = 0.1;
+        e.covariance = Matx66d::eye() * 4;
+        e.visibleParts = 9;
+        e.inliers = 7;
+        e.similarity = 0.75;
+        e.contourSupport = 0.5;
+        e.nis = 1.25;
+        e.jointOffsets = {0, 0, 0, 0.01, 0.02, 0.03, 0.04};
+        writer->write(3, 0.12, "PSM1", e, std::vector<double>(1, 0.5));
+        e.covariance = Matx66d::zeros();
+        e.jointOffsets = {0.1, 0.2};
+        writer->write(3, 0.12, "PSM2", e, std::vector<double>(1, std::numeric_limits<double>::quiet_NaN()));
+        EXPECT_THROW(writer->write(3, 0.12, "PSM3", e, std::vector<double>(1, 0.)), cv::Exception);
+        EXPECT_THROW(writer->write(3, 0.12, "PSM1", e), cv::Exception) << "a column without a value";
+    }
+    const std::vector<std::string> lines = readLines(filename);
+    ASSERT_EQ(3u, lines.size());
+    EXPECT_EQ("frame,time,tool,status,tx,ty,tz,qx,qy,qz,qw,visible,inliers,similarity,contour,nis,sd_rx,sd_ry,sd_rz,sd_tx,sd_ty,sd_tz,"
+              "offset_q1,offset_q2,offset_q3,offset_q4,offset_q5,offset_q6,offset_jaw,latency", lines[0]);
+    const std::string pose = ",tracking,0.000000000,0.000000000,0.100000000,0.000000000,0.000000000,0.000000000,1.000000000,9,7,0.75,0.5,1.25,";
+    EXPECT_EQ("3,0.120000,PSM1" + pose + "2,2,2,2,2,2,0,0,0,0.01,0.02,0.03,0.04,0.5", lines[1]);
+    EXPECT_EQ("3,0.120000,PSM2" + pose + ",,,,,,,,,0.2,,,,", lines[2]);
+    EXPECT_THROW(PoseWriter::create(filename)->write(0, 0, "PSM1", ToolEstimate()), cv::Exception) << "not begun for estimates";
+    remove(filename.c_str());
+}
+
 TEST(SurgTrack_PoseWriter, refusesWhatIsNoPose)
 {
     const String filename = cv::tempfile(".csv");

@@ -8,6 +8,7 @@
 #include <map>
 #include "opencv2/surgtrack/camera.hpp"
 #include "opencv2/surgtrack/tool_model.hpp"
+#include "opencv2/surgtrack/tool_estimate.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -147,6 +148,16 @@ public:
     @param extraColumns names of further columns
     @throws cv::Exception naming the file if it can't be written */
     CV_WRAP static Ptr<PoseWriter> create(const String& filename, const std::vector<String>& extraColumns = std::vector<String>());
+
+    /** @brief Begins a file of estimates. Its further columns are what they say beside the pose (doc/formats.md): evidence, standard
+    deviations, and the offsets of the joints, those of the first tool.
+    @param filename is overwritten
+    @param tools names
+    @param models theirs
+    @param extraColumns names of columns after these
+    @throws cv::Exception naming the file if it can't be written */
+    CV_WRAP static Ptr<PoseWriter> create(const String& filename, const std::vector<String>& tools, const std::vector<Ptr<ToolModel> >& models,
+                                          const std::vector<String>& extraColumns = std::vector<String>());
     virtual ~PoseWriter() {}
 
     /** @brief Adds one row.
@@ -158,6 +169,17 @@ public:
     @param extra one value per further column; non-finite values are left empty
     @throws cv::Exception naming the file if the row can't be written (as on a full disk) */
     CV_WRAP virtual void write(int frame, double time, const String& tool, int state, const Matx44d& camera_T_tool,
+                               const std::vector<double>& extra = std::vector<double>()) = 0;
+
+    /** @brief Adds the row of an estimate to a file that was begun for estimates.
+    @param frame number
+    @param time [s]
+    @param tool name, one of those given to create()
+    @param estimate of this tool; values it has none of are left empty: deviations without a covariance, offsets of joints that only
+    the first tool has
+    @param extra one value per column of `extraColumns`; non-finite values are left empty
+    @throws cv::Exception as above */
+    CV_WRAP virtual void write(int frame, double time, const String& tool, const ToolEstimate& estimate,
                                const std::vector<double>& extra = std::vector<double>()) = 0;
 };
 

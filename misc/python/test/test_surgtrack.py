@@ -605,6 +605,21 @@ class surgtrack_test(NewOpenCVTests):
         np.testing.assert_allclose([float(c) for c in cells[4:11]], [0.1, 0.2, 0.3, 0, 0, 0.5 ** 0.5, 0.5 ** 0.5], atol=1e-9)   # nine decimals
         self.assertEqual(len(lines), 2)
 
+    def test_pose_writer_takes_estimates(self):
+        filename = self.path('poses.csv')
+        writer = st.PoseWriter.create(filename, ['PSM1'], [self.model], ['dropped'])
+        estimate = st.ToolEstimate()
+        estimate.state, estimate.camera_T_tool, estimate.similarity = st.STATE_TRACKING, rigid([0, 0, 0], [0, 0, 0.1]), 0.75
+        estimate.jointOffsets = [0., 0., 0., 0.01, 0.02, 0.03, 0.04]
+        writer.write(7, 0.28, 'PSM1', estimate, [2.])
+        with self.assertRaises(cv.error):
+            writer.write(7, 0.28, 'PSM2', estimate, [2.])
+        with open(filename) as f:
+            header, row = [line.split(',') for line in f.read().splitlines()]
+        cells = dict(zip(header, row))
+        self.assertEqual([cells[c] for c in ('tool', 'status', 'tz', 'similarity', 'sd_rx', 'offset_jaw', 'dropped')],
+                         ['PSM1', 'tracking', '0.100000000', '0.75', '', '0.04', '2'])
+
     def test_pose_scorer(self):
         scorer = st.PoseScorer.create(self.camera, 1)
         truth = rigid([0, 0, 0], [0, 0, 0.1])
