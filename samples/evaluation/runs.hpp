@@ -99,8 +99,8 @@ inline Record recordOf(const Data& data, int tool, int frame, int state, const M
     r.tool = tool;
     r.state = state;
     r.time = data.time(frame);
-    r.error = poseError(camera_T_tool, truth.camera_T_tool);
-    r.axes = rotationVector(rotationOf(truth.camera_T_tool).t() * rotationOf(camera_T_tool));
+    r.error = Vec6d(poseError(camera_T_tool, truth.camera_T_tool).val);
+    r.axes = Vec3d(poseError(rigidInverse(camera_T_tool), rigidInverse(truth.camera_T_tool)).val);   // its first three: R_true^T R_estimate
     r.translation = norm(Vec3d(r.error[3], r.error[4], r.error[5]));
     r.rotation = norm(r.axes);
     r.nees = r.rotationNees = r.translationNees = r.nis = unknown();

@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include <limits>
 
 namespace cv { namespace surgtrack {
 
@@ -120,6 +121,57 @@ Ptr<PoseScorer> PoseScorer::create(const CameraModel& camera, int tools)
     CV_CheckGT(tools, 0, "number of tools");
     CV_Assert(!camera.imageSize().empty() && "the camera must have an image size");
     return makePtr<PoseScorerImpl>(camera, tools);
+}
+
+static Vec3d rotationVector(const Matx33d& R)
+{
+    const Vec3d v(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
+    const double s = norm(v), angle = std::atan2(s, trace(R) - 1);
+    if (s > 1e-9)
+        return v * (angle / s);
+    if (angle < 1)
+        return v * 0.5;
+    // Half a turn: R + I = 2 a a^T; its longest column is along the axis.
+    int longest = 0;
+    for (int i = 1; i < 3; i++)
+        if (R(i, i) > R(longest, longest))
+            longest = i;
+    Vec3d axis(R(0, longest), R(1, longest), R(2, longest));
+    axis[longest] += 1;
+    return axis * (angle / norm(axis));
+}
+
+Matx61d poseError(const Matx44d& camera_T_tool, const Matx44d& true_camera_T_tool)
+{
+    const Vec3d r = rotationVector(true_camera_T_tool.get_minor<3, 3>(0, 0) * camera_T_tool.get_minor<3, 3>(0, 0).t());
+    Matx61d e;
+    for (int i = 0; i < 3; i++)
+    {
+        e(i) = r[i];
+        e(3 + i) = true_camera_T_tool(i, 3) - camera_T_tool(i, 3);
+    }
+    return e;
+}
+
+double normalizedErrorSquared(const Matx61d& error, const Matx66d& covariance, int first, int count)
+{
+    CV_CheckGE(first, 0, "first component");
+    CV_Check(count, count > 0 && first + count <= 6, "number of components");
+    // Components are divided by their deviations first: metres and radians differ by orders of magnitude.
+    const double unknown = std::numeric_limits<double>::quiet_NaN();
+    Mat_<double> correlation(count, count), scaled(count, 1), solution;
+    for (int i = 0; i < count; i++)
+    {
+        const double variance = covariance(first + i, first + i);
+        if (!(variance > 0))
+            return unknown;
+        scaled(i) = error(first + i) / std::sqrt(variance);
+        for (int j = 0; j < count; j++)
+            correlation(i, j) = covariance(first + i, first + j) / std::sqrt(variance * covariance(first + j, first + j));
+    }
+    if (!checkRange(correlation) || !solve(correlation, scaled, solution, DECOMP_CHOLESKY))
+        return unknown;
+    return scaled.dot(solution);
 }
 
 }} // namespace cv::surgtrack

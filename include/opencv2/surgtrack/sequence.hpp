@@ -218,6 +218,20 @@ public:
     CV_WRAP virtual PoseScore score(int tool = -1) const = 0;
 };
 
+/** @brief What leads from an estimated pose to the true one, in the terms of ToolEstimate::covariance:
+R_true = exp(rotation) R_estimate, t_true = translation + t_estimate.
+@param camera_T_tool estimate
+@param true_camera_T_tool truth
+@return (rotation vector [rad], translation [m]), both in the camera frame */
+CV_EXPORTS_W Matx61d poseError(const Matx44d& camera_T_tool, const Matx44d& true_camera_T_tool);
+
+/** @brief Normalised error squared (NEES): e^T P^-1 e of some components, as many as its mean should be if P is right.
+@param error see poseError()
+@param covariance see ToolEstimate::covariance
+@param first, count components, by default all: 0, 3 is the rotation alone, 3, 3 the translation
+@return not a number if that block of the covariance is not positive definite, as without a covariance */
+CV_EXPORTS_W double normalizedErrorSquared(const Matx61d& error, const Matx66d& covariance, int first = 0, int count = 6);
+
 //! @}
 
 }} // namespace cv::surgtrack

@@ -634,6 +634,17 @@ class surgtrack_test(NewOpenCVTests):
         self.assertAlmostEqual(score.translationStd, 0)
         self.assertAlmostEqual(score.rotationStd, 0)
 
+    def test_pose_error(self):
+        estimate, truth = rigid([0.1, 0, 0], [0, 0, 0.1]), rigid([0.1, 0, 0], [0, 0, 0.1])
+        truth[:3, :3] = rigid([0, 0.2, 0], [0, 0, 0])[:3, :3].dot(estimate[:3, :3])
+        truth[0, 3] = 0.003
+        error = st.poseError(estimate, truth)
+        np.testing.assert_allclose(error.ravel(), [0, 0.2, 0, 0.003, 0, 0], atol=1e-12)   # rounding
+        covariance = np.diag([0.01, 0.01, 0.01, 1e-6, 1e-6, 1e-6])
+        self.assertAlmostEqual(st.normalizedErrorSquared(error, covariance), 4 + 9)
+        self.assertAlmostEqual(st.normalizedErrorSquared(error, covariance, 3, 3), 9)
+        self.assertTrue(np.isnan(st.normalizedErrorSquared(error, np.zeros((6, 6)))))
+
     def test_tracker_tracks_the_scene(self):
         scene = self.scene(imageSize=(720, 576), frames=25)
         params = st.ToolTracker.Params()
