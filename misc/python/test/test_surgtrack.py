@@ -668,6 +668,11 @@ class surgtrack_test(NewOpenCVTests):
         self.assertTrue(np.isfinite(estimate.nis))
         tool = estimate.camera_T_nominal.dot(scene.nominal_T_base(0)).dot(scene.model().endEffectorPose(joints))
         np.testing.assert_allclose(estimate.camera_T_tool, tool, atol=1e-9)   # the chain of transforms
+        np.testing.assert_array_equal(estimate.joints, np.array(joints) + estimate.jointOffsets)
+        drawn = st.drawEstimate(image.copy(), scene.camera(), scene.model(), estimate, 'PSM1')
+        self.assertGreater(np.count_nonzero(drawn != image), 10000)
+        base = st.DrawnTool(scene.model(), estimate).camera_T_base
+        np.testing.assert_allclose(base, estimate.camera_T_nominal.dot(scene.nominal_T_base(0)), atol=1e-9)   # the same chain
         self.assertLess(scorer.score().translationMean, 0.004)   # the calibration is 6 mm off
         times = tracker.getTimings()
         self.assertEqual([t.name for t in times], ['render', 'image', 'match', 'verify', 'filter', 'contour', 'total'])
