@@ -11,18 +11,14 @@
 #include <map>
 #include "opencv2/core/utils/filesystem.hpp"
 #include "statistics.hpp"
+#include "../support/tools.hpp"
 
 namespace evaluation {
 
 using namespace cv;
 using namespace cv::surgtrack;
 using common::fail;
-
-struct Tool
-{
-    SequenceTool info;
-    Ptr<ToolModel> model;
-};
+using common::Tool;
 
 //! The truth of one tool in one frame.
 struct Truth
@@ -59,17 +55,7 @@ struct Data
             fail(truthFile + ": there is no such file, expected the true poses to evaluate against");
         if (sequence->groundTruthEnd() == 0)
             fail(truthFile + ": expected lines with true poses");
-        std::map<String, Ptr<ToolModel> > models;
-        for (int i = 0; i < sequence->toolCount(); i++)
-        {
-            Tool tool;
-            tool.info = sequence->tool(i);
-            Ptr<ToolModel>& model = models[tool.info.model];
-            if (!model)
-                model = ToolModel::load(tool.info.model);
-            tool.model = model;
-            tools.push_back(tool);
-        }
+        tools = common::loadTools(*sequence);
         for (int i = 0; i < (int)tools.size(); i++)   // an error in keypoints.csv comes before the work
             for (int frame = 0; frame < sequence->groundTruthEnd(); frame++)
                 visibleKeypoints(i, frame);

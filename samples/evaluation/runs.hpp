@@ -208,9 +208,7 @@ private:
             return;
         worst.record = r;
         image.copyTo(worst.image);
-        worst.joints = readings;
-        for (size_t i = 0; i < e.jointOffsets.size(); i++)
-            worst.joints[i] += e.jointOffsets[i];
+        worst.joints = e.joints;
         worst.trueJoints = truth.joints.empty() ? readings : truth.joints;
         worst.camera_T_base = data_.camera_T_base(tool, e.camera_T_tool, worst.joints);
         worst.true_camera_T_base = data_.camera_T_base(tool, truth.camera_T_tool, worst.trueJoints);
