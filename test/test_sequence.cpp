@@ -409,6 +409,8 @@ TEST(SurgTrack_PoseWriter, estimatesFillTheFurtherColumns)
     other.coordinates.push_back("turn");
     other.coordinates.push_back("q4");
     other.links.resize(1);
+    other.links[0].name = "rod";
+    other.endEffectorLink = 0;
     const std::vector<Ptr<ToolModel> > models = {first, ToolModel::create(other)};
     const String filename = cv::tempfile(".csv");
     {
