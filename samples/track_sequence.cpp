@@ -175,7 +175,7 @@ void prepare(const Options& options, Run& run)
     for (size_t i = 0; i < run.tools.size(); i++)
         run.tracker->addTool(run.tools[i].model, run.tools[i].info.nominal_T_base);
     if (run.sequence->hasGroundTruth())
-        run.scorer = PoseScorer::create(run.sequence->leftCamera(), run.sequence->toolCount());
+        run.scorer = PoseScorer::create(run.sequence->leftCamera(), common::modelsOf(run.tools));
 }
 
 void findTimeOffset(const Options& options, Run& run)

@@ -198,7 +198,9 @@ class Run:
             self.tracker.addTool(models[info.model], info.nominal_T_base)
             self.tools.append(Tool(info, models[info.model]))
         self.renderer = st.MeshRenderer.createSoftware()    # of the overlay
-        self.scorer = st.PoseScorer.create(self.sequence.leftCamera(), len(self.tools)) if self.sequence.hasGroundTruth() else None
+        self.scorer = None
+        if self.sequence.hasGroundTruth():
+            self.scorer = st.PoseScorer.create(self.sequence.leftCamera(), [tool.model for tool in self.tools])
         self.timings, self.frames, self.skipped, self.seconds = [], 0, 0, 0.   # skipped: of the frames, those without joint readings
         self.time_offset = self.find_time_offset(args.quiet) if args.time_offset is None else args.time_offset
 

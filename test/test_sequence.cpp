@@ -489,7 +489,7 @@ TEST(SurgTrack_PoseScorer, countsAsTheTableOfThePaper)
 {
     const Matx33d K(720, 0, 360, 0, 720, 288, 0, 0, 1);
     const CameraModel camera(K, noArray(), Size(720, 576));
-    const Ptr<PoseScorer> scorer = PoseScorer::create(camera, 2);
+    const Ptr<PoseScorer> scorer = PoseScorer::create(camera, std::vector<Ptr<ToolModel> >(2, ToolModel::needleDriver()));
     Matx44d truth = Matx44d::eye(), near = truth, far = truth;
     truth(2, 3) = near(2, 3) = far(2, 3) = 0.1;
     near(0, 3) = 0.001;    // 7.2 to 8 pixel
@@ -507,6 +507,44 @@ TEST(SurgTrack_PoseScorer, countsAsTheTableOfThePaper)
     EXPECT_EQ(0, s.silent) << "coasting makes no claim";
     EXPECT_EQ(1, scorer->score(1).silent);
     EXPECT_EQ(4, scorer->score().frames);
+}
+
+// A pivot 0.05 m behind the end effector, whose link is fixed to the last one that moves.
+Ptr<ToolModel> longTool()
+{
+    ToolModel::Description d;
+    d.name = "hook";
+    d.coordinates.push_back("turn");
+    d.links.resize(2);
+    d.links[0].name = "pivot";
+    d.links[0].jointType = ToolModel::JOINT_REVOLUTE;
+    d.links[0].coordinate = 0;
+    d.links[1].name = "tip";
+    d.links[1].parent = 0;
+    d.endEffectorLink = 1;
+    d.link_T_endEffector(0, 3) = 0.05;
+    return ToolModel::create(d);
+}
+
+TEST(SurgTrack_PoseScorer, scoredPointsAreThoseOfTheTool)
+{
+    const CameraModel camera(Matx33d(720, 0, 360, 0, 720, 288, 0, 0, 1), noArray(), Size(720, 576));
+    const std::vector<Ptr<ToolModel> > models = {ToolModel::needleDriver(), longTool()};
+    const Ptr<PoseScorer> scorer = PoseScorer::create(camera, models);
+    Matx44d truth = Matx44d::eye(), turned = truth;
+    turned(2, 3) = truth(2, 3) = 0.1;
+    // Turned by 17 degrees about the viewing axis the end effector stays. Points 0.05 m from it move by some 107 pixel, those of
+    // the needle driver, which lie behind it, by 7 at most.
+    turned(0, 0) = turned(1, 1) = std::cos(0.3);
+    turned(1, 0) = std::sin(0.3);
+    turned(0, 1) = -turned(1, 0);
+    for (int tool = 0; tool < 2; tool++) scorer->add(tool, STATE_TRACKING, turned, truth);
+    EXPECT_EQ(1, scorer->score(0).accuracy);
+    EXPECT_EQ(0, scorer->score(1).accuracy);
+    EXPECT_EQ(0, scorer->score(1).translationMean);
+    EXPECT_THROW(PoseScorer::create(camera, std::vector<Ptr<ToolModel> >()), cv::Exception);
+    EXPECT_THROW(PoseScorer::create(camera, std::vector<Ptr<ToolModel> >(1)), cv::Exception);
+    EXPECT_THROW(PoseScorer::create(CameraModel(), models), cv::Exception);
 }
 
 }} // namespace

@@ -93,7 +93,7 @@ inline String trackerFile()
     return String();
 #else
     // An object of the module points to the table of its virtual functions; the address of a function may be a stub of this program.
-    const Ptr<PoseScorer> object = PoseScorer::create(CameraModel(Matx33d::eye(), noArray(), Size(1, 1)), 1);
+    const Ptr<GeometricContextVerifier> object = GeometricContextVerifier::create();
     Dl_info info;
     return dladdr(*reinterpret_cast<void* const*>(object.get()), &info) && info.dli_fname ? String(info.dli_fname) : String();
 #endif

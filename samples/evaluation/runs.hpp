@@ -155,7 +155,7 @@ public:
             tracker_->addTool(data.tools[i].model, data.tools[i].info.nominal_T_base);
         if (stereo)
             tracker_->setRightCamera(data.sequence->rightCamera(), data.sequence->right_T_left());
-        scorer_ = PoseScorer::create(data.sequence->leftCamera(), (int)data.tools.size());
+        scorer_ = PoseScorer::create(data.sequence->leftCamera(), common::modelsOf(data.tools));
     }
 
     //! @param frames at most so many; 0 = all
@@ -230,7 +230,7 @@ inline Run control(const Data& data, bool frozen, int frames)
 {
     Run run;
     run.method = frozen ? "frozen" : "recorded";
-    const Ptr<PoseScorer> scorer = PoseScorer::create(data.sequence->leftCamera(), (int)data.tools.size());
+    const Ptr<PoseScorer> scorer = PoseScorer::create(data.sequence->leftCamera(), common::modelsOf(data.tools));
     const int end = data.sequence->groundTruthEnd();
     std::vector<Matx44d> corrections(data.tools.size(), Matx44d::eye());
     std::vector<char> known(data.tools.size(), !frozen);

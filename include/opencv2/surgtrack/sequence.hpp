@@ -193,18 +193,22 @@ struct CV_EXPORTS_W_SIMPLE PoseScore
     CV_PROP double translationStd;      //!< its standard deviation [m]
     CV_PROP double rotationMean;        //!< angle between estimated and true orientation, over the covered frames [rad]
     CV_PROP double rotationStd;         //!< its standard deviation [rad]
-    CV_PROP double accuracy;            //!< share of all frames whose end effector is at most 10 pixel off in an image 720 pixel wide (paper, Sec. 3)
+    CV_PROP double accuracy;            //!< share of all frames whose scored points are at most 10 pixel off, on average, in an image 720 pixel wide (paper, Sec. 3)
     CV_PROP double silent;              //!< share of all frames that claim to be tracking and are more than 5 mm off
 };
 
-/** @brief Compares poses with the truth, as Table 1 of the paper does. */
+/** @brief Compares poses with the truth, as Table 1 of the paper does.
+
+The scored points of a tool, for PoseScore::accuracy, move with its end effector: the end effector itself, its pivot, which is the origin
+of the last link on the way to it that a joint moves, and the two points 3 mm beside the pivot on that joint's axis. Of a needle driver
+they are the tip and the axis of the jaws. */
 class CV_EXPORTS_W PoseScorer
 {
 public:
     /** @brief A scorer without poses yet.
     @param camera of the image the reprojection error is taken in; its distortion is left out
-    @param tools number of tools */
-    CV_WRAP static Ptr<PoseScorer> create(const CameraModel& camera, int tools);
+    @param models of the tools, whose points are scored */
+    CV_WRAP static Ptr<PoseScorer> create(const CameraModel& camera, const std::vector<Ptr<ToolModel> >& models);
     virtual ~PoseScorer() {}
 
     /** @brief Takes in one frame of one tool.

@@ -621,7 +621,7 @@ class surgtrack_test(NewOpenCVTests):
                          ['PSM1', 'tracking', '0.100000000', '0.75', '', '0.04', '2'])
 
     def test_pose_scorer(self):
-        scorer = st.PoseScorer.create(self.camera, 1)
+        scorer = st.PoseScorer.create(self.camera, [self.model])
         truth = rigid([0, 0, 0], [0, 0, 0.1])
         scorer.add(0, st.STATE_TRACKING, rigid([0, 0, 0.1], [0, 0, 0.1]), truth)
         scorer.add(0, st.STATE_LOST, truth, truth)
@@ -651,7 +651,7 @@ class surgtrack_test(NewOpenCVTests):
         params.method = st.METHOD_PAPER
         tracker = st.ToolTracker.create(scene.camera(), params)
         self.assertEqual(tracker.addTool(scene.model(), scene.nominal_T_base(0)), 0)
-        scorer = st.PoseScorer.create(scene.camera(), 1)
+        scorer = st.PoseScorer.create(scene.camera(), [scene.model()])
         for frame in range(12):
             time = frame / 25.
             image, joints = scene.render(frame), scene.recordedJoints(0, time)
@@ -757,7 +757,7 @@ class surgtrack_test(NewOpenCVTests):
             if eyes == 2:
                 tracker.setRightCamera(scene.camera(right=True), scene.right_T_left())
             tracker.addTool(scene.model(), scene.nominal_T_base(0))
-            scorer = st.PoseScorer.create(scene.camera(), 1)
+            scorer = st.PoseScorer.create(scene.camera(), [scene.model()])
             for frame in range(8):
                 time = frame / 25.
                 image, joints = scene.render(frame), scene.recordedJoints(0, time)

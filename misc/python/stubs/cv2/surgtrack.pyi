@@ -1609,7 +1609,7 @@ class PoseScore:
         ...
     @property
     def accuracy(self) -> float:
-        """share of all frames whose end effector is at most 10 pixel off in an image 720 pixel wide (paper, Sec. 3)"""
+        """share of all frames whose scored points are at most 10 pixel off, on average, in an image 720 pixel wide (paper, Sec. 3)"""
         ...
     @property
     def silent(self) -> float:
@@ -1617,13 +1617,18 @@ class PoseScore:
         ...
 
 class PoseScorer:
-    """Compares poses with the truth, as Table 1 of the paper does."""
+    """Compares poses with the truth, as Table 1 of the paper does.
+
+    The scored points of a tool, for PoseScore.accuracy, move with its end effector: the end effector itself, its pivot, which is the origin
+    of the last link on the way to it that a joint moves, and the two points 3 mm beside the pivot on that joint's axis. Of a needle driver
+    they are the tip and the axis of the jaws.
+    """
     @staticmethod
     def create(camera: CameraModel, models: _Sequence[ToolModel]) -> PoseScorer:
         """A scorer without poses yet.
 
         camera: of the image the reprojection error is taken in; its distortion is left out
-        tools: number of tools
+        models: of the tools, whose points are scored
         """
         ...
     def add(self, tool: int, state: int, camera_T_tool: NDArray[np.float64], true_camera_T_tool: NDArray[np.float64]) -> None:
@@ -1642,11 +1647,6 @@ class PoseScorer:
         """
         ...
 
-class TimeOffsetParams:
-    """Options of estimateTimeOffset()."""
-    def __init__(self) -> None: ...
-    expected: float
-    """centre of the search [s]; default 0"""
 def poseError(camera_T_tool: NDArray[np.float64], true_camera_T_tool: NDArray[np.float64]) -> NDArray[np.float64]:
     """What leads from an estimated pose to the true one, in the terms of ToolEstimate.covariance:
     R_true = exp(rotation) R_estimate, t_true = translation + t_estimate.
@@ -1667,6 +1667,11 @@ def normalizedErrorSquared(error: NDArray[np.float64], covariance: NDArray[np.fl
     """
     ...
 
+class TimeOffsetParams:
+    """Options of estimateTimeOffset()."""
+    def __init__(self) -> None: ...
+    expected: float
+    """centre of the search [s]; default 0"""
     range: float
     """offsets this far from the expected one are searched [s]; default 3"""
     step: float
