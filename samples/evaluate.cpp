@@ -13,6 +13,7 @@ using namespace evaluation;
 
 namespace {
 
+const char* const NAME = "evaluate";
 const char* const KEYS =
     "{ help h    |                 | print this }"
     "{ sequences |                 | folders of sequences with groundtruth.csv, separated by commas; other folders are searched for such }"
@@ -199,9 +200,10 @@ String failureOf(const Options& options, const String& folder, const String& nam
     return std::getline(file, line) ? line : folder + ": has no result in " + options.out + ", expected one of a run with --part and the same other options";
 }
 
-//! Evaluates and writes. Returns the number of sequences that failed.
-int evaluate(const char* program, const Options& options)
+//! Evaluates and writes. Returns the exit code: 1 if a sequence failed.
+int run(const CommandLineParser& parser)
 {
+    const Options options = readOptions(parser);
     const String folder = utils::fs::join(options.out, "results");
     if (!utils::fs::createDirectories(folder) || !utils::fs::isDirectory(folder))
         fail("argument '--out=" + options.out + "': the folder can't be made");
@@ -221,7 +223,7 @@ int evaluate(const char* program, const Options& options)
         const String failure = failureOf(options, sequence, name);
         if (!failure.empty())
         {
-            common::reportError(program, failure);
+            common::reportError(NAME, failure);
             failures.push_back(failure);
         }
         else if (!options.part)
@@ -238,32 +240,15 @@ int evaluate(const char* program, const Options& options)
         std::printf("%s%s", scoreTable(results).c_str(), speedLine(results).c_str());
         std::fflush(stdout);
     }
-    return (int)failures.size();
+    return failures.empty() ? 0 : 1;
 }
 
 } // namespace
 
 int main(int argc, char** argv)
 {
-    const char* const program = "evaluate";
-    common::silenceLibraries();
-    try
-    {
-        const char* const options[] = { "sequences", "out", "methods", "frames" };
-        const char* const flags[] = { "help", "stereo", "part", "merge", "quiet" };
-        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 4), std::vector<std::string>(flags, flags + 5));
-        CommandLineParser parser(argc, argv, KEYS);
-        parser.about("Measures the tracker on sequences whose truth is known; writes tables, frame by frame errors and report.md.\n"
-                     "plot_evaluation.py makes the plots.");
-        if (parser.has("help"))
-        {
-            parser.printMessage();
-            return 0;
-        }
-        return evaluate(program, readOptions(parser)) > 0 ? 1 : 0;
-    }
-    catch (...)
-    {
-        return common::reportError(program);
-    }
+    const common::Program program = { NAME, "Measures the tracker on sequences whose truth is known; writes tables, frame by frame errors and report.md.\n"
+                                      "plot_evaluation.py makes the plots.",
+                                      KEYS, { "sequences", "out", "methods", "frames" }, { "stereo", "part", "merge", "quiet" } };
+    return common::runProgram(argc, argv, program, run);
 }

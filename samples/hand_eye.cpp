@@ -156,8 +156,9 @@ void printResult(const Options& options, const Pairs& pairs, const HandEyeResult
     for (size_t i = 0; i < result.warnings.size(); i++) std::fprintf(stderr, "warning: %s\n", result.warnings[i].c_str());
 }
 
-void run(const Options& options)
+int run(const CommandLineParser& parser)
 {
+    const Options options = readOptions(parser);
     const CameraModel camera = options.camera.empty() ? CameraModel() : readCamera(options.camera);
     const bool fromImages = !options.images.empty();
     const Poses robot = loadPoses(options.robot);
@@ -174,37 +175,20 @@ void run(const Options& options)
     if (!estimateHandEye(pairs.robot, pairs.board, result, options.params, camera, points))
         fail("the calibration can't be told: " + result.reason);
     printResult(options, pairs, result, !camera.imageSize().empty());
-    if (options.into.empty()) return;
+    if (options.into.empty()) return 0;
     const bool onTool = options.params.setup == HAND_EYE_BOARD_ON_TOOL;
     const Matx44d& T = result.best.camera_T_mount;
     writeHandEye(options.into, options.tool, onTool ? T : T * options.arm.inv() * options.cameraBase_T_base);
     std::printf("%s: camera_T_base of %s is set\n", options.into.c_str(), options.tool.c_str());
+    return 0;
 }
 
 } // namespace
 
 int main(int argc, char** argv)
 {
-    const char* const program = "hand_eye";
-    common::silenceLibraries();
-    try
-    {
-        const char* const options[] = { "robot", "board-poses", "images", "board", "board-size", "spacing-mm", "camera", "setup", "method", "rejection",
-                                        "seed", "into", "tool", "arm", "base" };
-        const char* const flags[] = { "help", "quiet" };
-        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 15), std::vector<std::string>(flags, flags + 2));
-        CommandLineParser parser(argc, argv, KEYS);
-        parser.about("Hand-eye calibration: the camera against the robot, from poses of the robot and of a calibration board.");
-        if (parser.has("help"))
-        {
-            parser.printMessage();
-            return 0;
-        }
-        run(readOptions(parser));
-        return 0;
-    }
-    catch (...)
-    {
-        return common::reportError(program);
-    }
+    const common::Program program = { "hand_eye", "Hand-eye calibration: the camera against the robot, from poses of the robot and of a calibration board.",
+                                      KEYS, { "robot", "board-poses", "images", "board", "board-size", "spacing-mm", "camera", "setup", "method",
+                                        "rejection", "seed", "into", "tool", "arm", "base" }, { "quiet" } };
+    return common::runProgram(argc, argv, program, run);
 }

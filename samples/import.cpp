@@ -277,30 +277,19 @@ private:
     std::vector<String> in_;
 };
 
+int run(const CommandLineParser& parser)
+{
+    Import(parser).run();
+    return 0;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 {
-    common::silenceLibraries();
-    try
-    {
-        const char* const options[] = { "from", "in", "out", "into", "like", "meshes", "mesh-scale", "mesh-axes", "keypoints", "packages",
-                                        "base", "end-effector", "unit", "image-size", "left", "right", "fps", "tool", "model", "columns",
-                                        "start", "hand-eye", "tools" };
-        const char* const flags[] = { "help", "quiet" };
-        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 23), std::vector<std::string>(flags, flags + 2));
-        CommandLineParser parser(argc, argv, KEYS);
-        parser.about("Brings files of other programs into the formats of this module.");
-        if (parser.has("help"))
-        {
-            parser.printMessage();
-            return 0;
-        }
-        Import(parser).run();
-        return 0;
-    }
-    catch (...)
-    {
-        return common::reportError("import");
-    }
+    const common::Program program = { "import", "Brings files of other programs into the formats of this module.",
+                                      KEYS, { "from", "in", "out", "into", "like", "meshes", "mesh-scale", "mesh-axes", "keypoints", "packages",
+                                        "base", "end-effector", "unit", "image-size", "left", "right", "fps", "tool", "model",
+                                        "columns", "start", "hand-eye", "tools" }, { "quiet" } };
+    return common::runProgram(argc, argv, program, run);
 }

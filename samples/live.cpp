@@ -5,13 +5,15 @@
 // Tracks as it happens: images of a camera, or of a video played at its pace, joint readings by UDP; poses go out by UDP and to a file.
 
 #include <csignal>
-#include <map>
+#include <limits>
 #include "live/images.hpp"
-#include "support/pose_columns.hpp"
+#include "support/run_output.hpp"
+#include "support/tools.hpp"
 
 using namespace cv;
 using namespace cv::surgtrack;
 using common::fail;
+using common::Tool;
 
 namespace {
 
@@ -95,13 +97,6 @@ Options readOptions(const CommandLineParser& parser)
     return options;
 }
 
-struct Tool
-{
-    SequenceTool info;
-    Ptr<ToolModel> model;
-    int tracked;    // images
-};
-
 //! What became of an image.
 enum Answer { TRACKED, TOO_SLOW, NO_READINGS };
 
@@ -163,19 +158,13 @@ void prepare(const Options& options, Run& run)
         if (sources[i].empty())
             fail("expected --camera=..., or the key 'video' in sequence.yaml of " + options.sequence);
 
-    std::map<String, Ptr<ToolModel> > models;
-    std::vector<std::string> names;
+    run.tools = common::loadTools(*run.setup);
+    const std::vector<String> names = common::namesOf(run.tools);
     std::vector<std::vector<String> > coordinates;
-    for (int i = 0; i < run.setup->toolCount(); i++)
+    for (size_t i = 0; i < run.tools.size(); i++)
     {
-        const SequenceTool info = run.setup->tool(i);
-        Ptr<ToolModel>& model = models[info.model];
-        if (!model) model = ToolModel::load(info.model);
-        const Tool tool = { info, model, 0 };
-        run.tools.push_back(tool);
-        run.tracker->addTool(model, info.nominal_T_base);
-        names.push_back(info.name);
-        coordinates.push_back(model->coordinateNames());
+        run.tracker->addTool(run.tools[i].model, run.tools[i].info.nominal_T_base);
+        coordinates.push_back(run.tools[i].model->coordinateNames());
         run.readings.push_back(std::vector<double>(coordinates.back().size()));
     }
     for (size_t i = 0; i < options.ports.size(); i++)
@@ -185,12 +174,7 @@ void prepare(const Options& options, Run& run)
     if (!options.send.empty())
         run.sender = makePtr<common::UdpSender>(options.send);
     if (!options.poses.empty())
-    {
-        std::vector<String> columns = common::poseColumns(*run.tools[0].model);
-        columns.push_back("dropped");
-        columns.push_back("latency");
-        run.writer = PoseWriter::create(options.poses, columns);
-    }
+        run.writer = PoseWriter::create(options.poses, names, common::modelsOf(run.tools), { "dropped", "latency" });
     run.joints = makePtr<common::JointStream>(options.ports, names, coordinates, run.live ? 1 : fps / run.setup->fps());
 }
 
@@ -220,14 +204,8 @@ void coast(Run& run, double time)
     {
         const std::vector<double>& joints = found ? readings[i] : run.readings[i];
         const int before = run.estimates[i].state;
-        ToolEstimate estimate;
-        estimate.state = before == STATE_INITIALIZING ? before : before == STATE_LOST || !found ? (int)STATE_LOST : (int)STATE_COASTING;
-        estimate.camera_T_nominal = run.estimates[i].camera_T_nominal;
-        estimate.jointOffsets = run.estimates[i].jointOffsets;
-        estimate.jointOffsets.resize(joints.size(), 0.);
-        estimate.camera_T_tool = estimate.camera_T_nominal * run.tools[i].info.nominal_T_base *
-                                 run.tools[i].model->endEffectorPose(common::corrected(joints, estimate));
-        run.estimates[i] = estimate;
+        const int state = before == STATE_INITIALIZING ? before : before == STATE_LOST || !found ? (int)STATE_LOST : (int)STATE_COASTING;
+        run.estimates[i] = common::unmeasured(run.tools[i], joints, state, run.estimates[i]);
     }
 }
 
@@ -245,12 +223,8 @@ void record(Run& run, int number, double time, Answer answer, double arrival)
     for (size_t i = 0; i < run.tools.size(); i++)
     {
         run.tools[i].tracked += run.estimates[i].state == STATE_TRACKING;
-        if (!run.writer)
-            continue;
-        std::vector<double> row = common::poseRow(*run.tools[0].model, *run.tools[i].model, run.estimates[i]);
-        row.push_back(answer);
-        row.push_back(latency);
-        run.writer->write(number, reported, run.tools[i].info.name, run.estimates[i].state, run.estimates[i].camera_T_tool, row);
+        if (run.writer)
+            run.writer->write(number, reported, run.tools[i].info.name, run.estimates[i], { (double)answer, latency });
     }
 }
 
@@ -324,17 +298,9 @@ void track(const Options& options, Run& run)
     }
 }
 
-double percentile(std::vector<double> values, double share)
-{
-    if (values.empty())
-        return 0;
-    std::sort(values.begin(), values.end());
-    return values[std::min(values.size() - 1, (size_t)(share * values.size()))];
-}
-
 void printTimes(const char* name, const std::vector<double>& values)
 {
-    std::printf("  %-22s %8.2f %8.2f %8.2f\n", name, 1e3 * percentile(values, 0.5), 1e3 * percentile(values, 0.95), 1e3 * percentile(values, 1));
+    std::printf("  %-22s %8.2f %8.2f %8.2f\n", name, 1e3 * common::percentile(values, 0.5), 1e3 * common::percentile(values, 0.95), 1e3 * common::percentile(values, 1));
 }
 
 void printSummary(const Run& run)
@@ -358,44 +324,32 @@ void printSummary(const Run& run)
     std::fflush(stdout);
 }
 
+int run(const CommandLineParser& parser)
+{
+    std::signal(SIGINT, interrupt);
+    std::signal(SIGTERM, interrupt);
+    const Options options = readOptions(parser);
+    Run run;
+    prepare(options, run);
+    start(options, run);
+    try
+    {
+        track(options, run);
+    }
+    catch (const Exception&)   // what was tracked until then is summed up all the same
+    {
+        printSummary(run);
+        throw;
+    }
+    printSummary(run);
+    return 0;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 {
-    const char* const program = "live";
-    common::silenceLibraries();
-    try
-    {
-        const char* const options[] = { "sequence", "joints", "camera", "fps", "time-offset", "send", "poses", "frames" };
-        const char* const flags[] = { "help", "stereo", "quiet" };
-        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 8), std::vector<std::string>(flags, flags + 3));
-        CommandLineParser parser(argc, argv, KEYS);
-        parser.about("Tracks the tools a camera sees now, by their CAD models and the joint readings a robot sends.");
-        if (parser.has("help"))
-        {
-            parser.printMessage();
-            return 0;
-        }
-        std::signal(SIGINT, interrupt);
-        std::signal(SIGTERM, interrupt);
-        const Options o = readOptions(parser);
-        Run run;
-        prepare(o, run);
-        start(o, run);
-        try
-        {
-            track(o, run);
-        }
-        catch (const Exception&)   // what was tracked until then is summed up all the same
-        {
-            printSummary(run);
-            throw;
-        }
-        printSummary(run);
-        return 0;
-    }
-    catch (...)
-    {
-        return common::reportError(program);
-    }
+    const common::Program program = { "live", "Tracks the tools a camera sees now, by their CAD models and the joint readings a robot sends.",
+                                      KEYS, { "sequence", "joints", "camera", "fps", "time-offset", "send", "poses", "frames" }, { "stereo", "quiet" } };
+    return common::runProgram(argc, argv, program, run);
 }

@@ -28,47 +28,37 @@ static const char* const KEYS =
     "{ image-noise      | 3   | standard deviation of the image noise [grey levels] }"
     "{ quiet            |     | do not say what was written }";
 
+static int make(const CommandLineParser& parser)
+{
+    const String folder = parser.get<String>("out"), tool = parser.get<String>("tool");
+    if (folder.empty())
+        common::fail("expected --out=DIR, see --help");
+    SyntheticScene::Params params;
+    params.tools = common::integer(parser, "tools", 1, 4);
+    params.frames = common::integer(parser, "frames", 1);
+    params.seed = common::integer(parser, "seed", 0);
+    params.imageSize = Size(common::integer(parser, "width", 64, 8192), common::integer(parser, "height", 64, 8192));
+    params.fps = common::number(parser, "fps", 0.1, 1000);
+    params.stereo = parser.has("stereo");
+    params.distortion = parser.has("distortion");
+    params.handEyeRotation = common::number(parser, "hand-eye-degrees", 0, 45) * CV_PI / 180;
+    params.handEyeTranslation = common::number(parser, "hand-eye-mm", 0, 100) * 1e-3;
+    params.jointNoise = common::number(parser, "joint-noise", 0, 100);
+    params.imageNoise = common::number(parser, "image-noise", 0, 100);
+
+    const Ptr<ToolModel> model = tool.empty() ? ToolModel::needleDriver() : ToolModel::load(tool);
+    SyntheticScene::create(model, params)->write(folder);
+    if (!parser.has("quiet"))
+        std::printf("%s: %d frames of %dx%d, %d tool%s (%s)\n", folder.c_str(), params.frames, params.imageSize.width,
+                    params.imageSize.height, params.tools, params.tools > 1 ? "s" : "", model->name().c_str());
+    return 0;
+}
+
 int main(int argc, char** argv)
 {
-    common::silenceLibraries();
-    try
-    {
-        const char* const options[] = { "out", "tool", "tools", "frames", "seed", "width", "height", "fps", "hand-eye-degrees", "hand-eye-mm",
-                                        "joint-noise", "image-noise" };
-        const char* const flags[] = { "help", "stereo", "distortion", "quiet" };
-        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 12), std::vector<std::string>(flags, flags + 4));
-        CommandLineParser parser(argc, argv, KEYS);
-        parser.about("Makes a synthetic sequence of surgical tools over tissue, with exact truth.");
-        if (parser.has("help"))
-        {
-            parser.printMessage();
-            return 0;
-        }
-        const String folder = parser.get<String>("out"), tool = parser.get<String>("tool");
-        if (folder.empty())
-            common::fail("expected --out=DIR, see --help");
-        SyntheticScene::Params params;
-        params.tools = common::integer(parser, "tools", 1, 4);
-        params.frames = common::integer(parser, "frames", 1);
-        params.seed = common::integer(parser, "seed", 0);
-        params.imageSize = Size(common::integer(parser, "width", 64, 8192), common::integer(parser, "height", 64, 8192));
-        params.fps = common::number(parser, "fps", 0.1, 1000);
-        params.stereo = parser.has("stereo");
-        params.distortion = parser.has("distortion");
-        params.handEyeRotation = common::number(parser, "hand-eye-degrees", 0, 45) * CV_PI / 180;
-        params.handEyeTranslation = common::number(parser, "hand-eye-mm", 0, 100) * 1e-3;
-        params.jointNoise = common::number(parser, "joint-noise", 0, 100);
-        params.imageNoise = common::number(parser, "image-noise", 0, 100);
-
-        const Ptr<ToolModel> model = tool.empty() ? ToolModel::needleDriver() : ToolModel::load(tool);
-        SyntheticScene::create(model, params)->write(folder);
-        if (!parser.has("quiet"))
-            std::printf("%s: %d frames of %dx%d, %d tool%s (%s)\n", folder.c_str(), params.frames, params.imageSize.width,
-                        params.imageSize.height, params.tools, params.tools > 1 ? "s" : "", model->name().c_str());
-        return 0;
-    }
-    catch (...)
-    {
-        return common::reportError("make_sequence");
-    }
+    const common::Program program = { "make_sequence", "Makes a synthetic sequence of surgical tools over tissue, with exact truth.",
+                                      KEYS, { "out", "tool", "tools", "frames", "seed", "width", "height", "fps",
+                                        "hand-eye-degrees", "hand-eye-mm", "joint-noise", "image-noise" },
+                                      { "stereo", "distortion", "quiet" } };
+    return common::runProgram(argc, argv, program, make);
 }

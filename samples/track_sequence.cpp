@@ -4,20 +4,19 @@
 
 // Tracks the tools of a recorded sequence: video, joint readings and a rough hand-eye calibration in, tool poses out.
 
-#include <map>
-#include "opencv2/imgproc.hpp"
 #include "opencv2/videoio.hpp"
 #include "opencv2/surgtrack.hpp"
 #include "support/common.hpp"
 #include "support/debug_pictures.hpp"
 #include "support/frame_reader.hpp"
-#include "support/pose_columns.hpp"
 #include "support/run_output.hpp"
+#include "support/tools.hpp"
 
 using namespace cv;
 using namespace cv::surgtrack;
-using common::corrected;
 using common::fail;
+using common::isKnown;
+using common::Tool;
 
 namespace {
 
@@ -85,13 +84,6 @@ Options readOptions(const CommandLineParser& parser)
     return options;
 }
 
-struct Tool
-{
-    SequenceTool info;
-    Ptr<ToolModel> model;
-    int tracked;    // frames
-};
-
 struct Run
 {
     Ptr<Sequence> sequence;
@@ -104,34 +96,21 @@ struct Run
     double seconds, timeOffset;
 };
 
-bool isKnown(const ToolEstimate& estimate) { return estimate.state == STATE_TRACKING || estimate.state == STATE_COASTING; }
-
 void drawResult(Mat& image, const Run& run, const std::vector<std::vector<double> >& joints, const std::vector<ToolEstimate>& estimates)
 {
     const CameraModel camera = run.sequence->leftCamera();
-    const double scale = image.cols / 720.;
-    const int thickness = std::max(1, cvRound(scale));
     std::vector<DrawnTool> nominal, found;
     for (size_t i = 0; i < run.tools.size(); i++)
     {
         const Tool& tool = run.tools[i];
         nominal.push_back(DrawnTool(tool.model, joints[i], tool.info.nominal_T_base, Scalar(0, 0, 255), 0));
         if (isKnown(estimates[i]))
-            found.push_back(DrawnTool(tool.model, corrected(joints[i], estimates[i]), estimates[i].camera_T_nominal * tool.info.nominal_T_base));
+            found.push_back(DrawnTool(tool.model, estimates[i]));
     }
     drawTools(image, camera, found, run.renderer);
     drawTools(image, camera, nominal, run.renderer);
     for (size_t i = 0; i < run.tools.size(); i++)
-    {
-        const ToolEstimate& estimate = estimates[i];
-        drawMatches(image, estimate.matches, true);
-        String text = format("%s  %s  similarity %.2f", run.tools[i].info.name.c_str(), stateName(estimate.state).c_str(), estimate.similarity);
-        if (estimate.contourSupport > 0)
-            text += format("  outline %.2f", estimate.contourSupport);
-        const Point origin(cvRound(10 * scale), cvRound((22 + 22 * (double)i) * scale));
-        putText(image, text, origin, FONT_HERSHEY_SIMPLEX, 0.55 * scale, Scalar(0, 0, 0), 3 * thickness, LINE_AA);
-        putText(image, text, origin, FONT_HERSHEY_SIMPLEX, 0.55 * scale, isKnown(estimate) ? Scalar(120, 255, 120) : Scalar(120, 120, 255), thickness, LINE_AA);
-    }
+        drawEvidence(image, estimates[i], run.tools[i].info.name, (int)i);
 }
 
 std::vector<common::DebugTool> debugTools(const Run& run, const std::vector<ToolEstimate>& estimates)
@@ -187,21 +166,11 @@ void prepare(const Options& options, Run& run)
     run.tracker = ToolTracker::create(run.sequence->leftCamera(), params);
     if (options.stereo)
         run.tracker->setRightCamera(run.sequence->rightCamera(), run.sequence->right_T_left());
-    std::map<String, Ptr<ToolModel> > models;
-    for (int i = 0; i < run.sequence->toolCount(); i++)
-    {
-        Tool tool;
-        tool.info = run.sequence->tool(i);
-        tool.tracked = 0;
-        Ptr<ToolModel>& model = models[tool.info.model];
-        if (!model)
-            model = ToolModel::load(tool.info.model);
-        tool.model = model;
-        run.tracker->addTool(model, tool.info.nominal_T_base);
-        run.tools.push_back(tool);
-    }
+    run.tools = common::loadTools(*run.sequence);
+    for (size_t i = 0; i < run.tools.size(); i++)
+        run.tracker->addTool(run.tools[i].model, run.tools[i].info.nominal_T_base);
     if (run.sequence->hasGroundTruth())
-        run.scorer = PoseScorer::create(run.sequence->leftCamera(), run.sequence->toolCount());
+        run.scorer = PoseScorer::create(run.sequence->leftCamera(), common::modelsOf(run.tools));
 }
 
 void findTimeOffset(const Options& options, Run& run)
@@ -226,13 +195,7 @@ void skipFrame(Run& run, int frame, std::vector<std::vector<double> >& joints, s
         const Tool& tool = run.tools[i];
         const double time = std::min(std::max(readingTime(run, frame), run.sequence->firstTime(i)), run.sequence->lastTime(i));
         run.sequence->jointsAt(i, time, joints[i], tool.model->coordinateNames());
-        ToolEstimate estimate;
-        estimate.state = before ? STATE_INITIALIZING : STATE_LOST;
-        estimate.camera_T_nominal = estimates[i].camera_T_nominal;
-        estimate.jointOffsets = estimates[i].jointOffsets;
-        estimate.jointOffsets.resize(joints[i].size(), 0.);
-        estimate.camera_T_tool = estimate.camera_T_nominal * tool.info.nominal_T_base * tool.model->endEffectorPose(corrected(joints[i], estimate));
-        estimates[i] = estimate;
+        estimates[i] = common::unmeasured(tool, joints[i], before ? STATE_INITIALIZING : STATE_LOST, estimates[i]);
     }
     run.skipped++;
 }
@@ -259,8 +222,7 @@ void record(Run& run, int frame, const std::vector<ToolEstimate>& estimates, Pos
     {
         run.tools[i].tracked += estimates[i].state == STATE_TRACKING;
         if (writer)
-            writer->write(frame, time, run.tools[i].info.name, estimates[i].state, estimates[i].camera_T_tool,
-                          common::poseRow(*run.tools[0].model, *run.tools[i].model, estimates[i]));
+            writer->write(frame, time, run.tools[i].info.name, estimates[i]);
         Matx44d truth;
         std::vector<double> trueJoints;
         if (run.scorer && run.sequence->groundTruth(i, frame, truth, trueJoints))
@@ -269,24 +231,55 @@ void record(Run& run, int frame, const std::vector<ToolEstimate>& estimates, Pos
     run.frames++;
 }
 
+//! What is written beside the summary; empty: it is not asked for.
+struct Outputs
+{
+    Outputs(const Options& options, const Run& run) : debugFrames(options.debugFrames, options.start)
+    {
+        const CameraModel camera = run.sequence->leftCamera();
+        if (!options.poses.empty())
+            poses = PoseWriter::create(options.poses, common::namesOf(run.tools), common::modelsOf(run.tools));
+        if (!options.timings.empty())
+            timings = makePtr<common::TimingsWriter>(options.timings);
+        if (!options.video.empty())
+            overlay = makePtr<common::Overlay>(options.video, run.sequence->fps(), camera.imageSize());
+        if (!options.debug.empty())
+            debug = makePtr<common::DebugPictures>(options.debug, options.method);
+    }
+
+    Ptr<PoseWriter> poses;
+    Ptr<common::TimingsWriter> timings;
+    Ptr<common::Overlay> overlay;
+    Ptr<common::DebugPictures> debug;
+    common::FrameChoice debugFrames;
+};
+
+CV_NORETURN void failReadings(const Run& run, int tool, int frame)
+{
+    fail(format("%s: no joint readings of tool '%s' at %.3f s (frame %d), expected the time of every frame; they cover %.3f to %.3f s",
+                run.sequence->kinematicsFile().c_str(), run.tools[tool].info.name.c_str(), frame / run.sequence->fps(), frame,
+                run.sequence->firstTime(tool), run.sequence->lastTime(tool)));
+}
+
+//! At the end of the video.
+void finish(const Run& run, Outputs& outputs)
+{
+    if (outputs.overlay)
+        outputs.overlay->finish();
+    if (outputs.debug && run.frames > run.skipped)
+        outputs.debugFrames.check();
+    if (run.frames == 0)
+        fail(run.sequence->leftVideo() + ": has no frames");
+    if (run.skipped == run.frames)
+        fail(format("%s: no joint readings at the time of any frame with a time offset of %g s; those of tool '%s' cover %.3f to %.3f s",
+                    run.sequence->kinematicsFile().c_str(), run.timeOffset, run.tools[0].info.name.c_str(), run.sequence->firstTime(0),
+                    run.sequence->lastTime(0)));
+}
+
 void track(const Options& options, Run& run)
 {
     common::EyesReader reader(*run.sequence, options.start, options.stereo);
-    Ptr<PoseWriter> writer;
-    if (!options.poses.empty())
-        writer = PoseWriter::create(options.poses, common::poseColumns(*run.tools[0].model));
-    Ptr<common::TimingsWriter> timings;
-    if (!options.timings.empty())
-        timings = makePtr<common::TimingsWriter>(options.timings);
-    Ptr<common::Overlay> overlay;
-    if (!options.video.empty())
-        overlay = makePtr<common::Overlay>(options.video, run.sequence->fps(), run.sequence->leftCamera().imageSize());
-
-    Ptr<common::DebugPictures> debug;
-    if (!options.debug.empty())
-        debug = makePtr<common::DebugPictures>(options.debug, options.method);
-    common::FrameChoice debugFrames(options.debugFrames, options.start);
-
+    Outputs outputs(options, run);
     const int remaining = std::max(0, reader.count() - options.start);
     common::Progress progress(options.frames > 0 ? std::min(options.frames, remaining) : remaining, options.quiet);
     const int64 startTick = getTickCount();
@@ -299,9 +292,7 @@ void track(const Options& options, Run& run)
             break;
         const int missing = readJoints(run, frame, joints);
         if (missing >= 0 && run.timeOffset == 0)
-            fail(format("%s: no joint readings of tool '%s' at %.3f s (frame %d), expected the time of every frame; they cover %.3f to %.3f s",
-                        run.sequence->kinematicsFile().c_str(), run.tools[missing].info.name.c_str(), frame / run.sequence->fps(), frame,
-                        run.sequence->firstTime(missing), run.sequence->lastTime(missing)));
+            failReadings(run, missing, frame);
         if (missing >= 0)
             skipFrame(run, frame, joints, estimates);
         else
@@ -309,38 +300,21 @@ void track(const Options& options, Run& run)
             if (options.renderAhead && readJoints(run, frame + 1, nextJoints) < 0)
                 run.tracker->renderAhead(nextJoints);
             trackFrame(run, frame, image, right, joints, estimates);
-            if (timings)
-                timings->write(frame, frame / run.sequence->fps(), run.tracker->getTimings());
-            if (debug && debugFrames.wants(frame))
-                debug->write(frame, image, debugTools(run, estimates));
+            if (outputs.timings)
+                outputs.timings->write(frame, frame / run.sequence->fps(), run.tracker->getTimings());
+            if (outputs.debug && outputs.debugFrames.wants(frame))
+                outputs.debug->write(frame, image, debugTools(run, estimates));
         }
-        record(run, frame, estimates, writer.get());
-        if (overlay)
+        record(run, frame, estimates, outputs.poses.get());
+        if (outputs.overlay)
         {
             drawResult(image, run, joints, estimates);
-            overlay->write(image);
+            outputs.overlay->write(image);
         }
         run.seconds = (double)(getTickCount() - startTick) / getTickFrequency();
         progress.show(run.frames);
     }
-    if (overlay)
-        overlay->finish();
-    if (debug && run.frames > run.skipped)
-        debugFrames.check();
-    if (run.frames == 0)
-        fail(run.sequence->leftVideo() + ": has no frames");
-    if (run.skipped == run.frames)
-        fail(format("%s: no joint readings at the time of any frame with a time offset of %g s; those of tool '%s' cover %.3f to %.3f s",
-                    run.sequence->kinematicsFile().c_str(), run.timeOffset, run.tools[0].info.name.c_str(), run.sequence->firstTime(0),
-                    run.sequence->lastTime(0)));
-}
-
-double percentile(std::vector<double> values, double share)
-{
-    if (values.empty())
-        return 0;
-    std::sort(values.begin(), values.end());
-    return values[std::min(values.size() - 1, (size_t)(share * values.size()))];
+    finish(run, outputs);
 }
 
 void printSummary(const Run& run)
@@ -356,7 +330,7 @@ void printSummary(const Run& run)
     std::vector<std::vector<double> > timings = run.timings;
     timings.resize(times.size());   // none if every frame was skipped
     for (size_t i = 0; i < times.size(); i++)
-        std::printf("  %-14s %9.2f %9.2f\n", times[i].name.c_str(), 1e3 * percentile(timings[i], 0.5), 1e3 * percentile(timings[i], 0.95));
+        std::printf("  %-14s %9.2f %9.2f\n", times[i].name.c_str(), 1e3 * common::percentile(timings[i], 0.5), 1e3 * common::percentile(timings[i], 0.95));
     const double total = times.back().mean * times.back().calls;
     std::printf("tracker %.1f Hz, whole run %.1f frames/s\n", total > 0 ? (run.frames - run.skipped) / total : 0, run.seconds > 0 ? run.frames / run.seconds : 0);
     std::fflush(stdout);
@@ -374,44 +348,33 @@ void printSummary(const Run& run)
     std::fflush(stdout);
 }
 
+int run(const CommandLineParser& parser)
+{
+    Run run;
+    const Options options = readOptions(parser);
+    prepare(options, run);
+    if (options.findTimeOffset)
+        findTimeOffset(options, run);
+    try
+    {
+        track(options, run);
+    }
+    catch (const Exception&)   // what was tracked until then is written and summed up all the same
+    {
+        if (run.frames > 0)
+            printSummary(run);
+        throw;
+    }
+    printSummary(run);
+    return 0;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 {
-    const char* const program = "track_sequence";
-    common::silenceLibraries();
-    try
-    {
-        const char* const options[] = { "sequence", "poses", "video", "method", "start", "frames", "time-offset", "timings", "debug", "debug-frames" };
-        const char* const flags[] = { "help", "stereo", "render-ahead", "quiet" };
-        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 10), std::vector<std::string>(flags, flags + 4));
-        CommandLineParser parser(argc, argv, KEYS);
-        parser.about("Tracks the tools of a recorded sequence by their CAD models and joint readings.");
-        if (parser.has("help"))
-        {
-            parser.printMessage();
-            return 0;
-        }
-        Run run;
-        const Options o = readOptions(parser);
-        prepare(o, run);
-        if (o.findTimeOffset)
-            findTimeOffset(o, run);
-        try
-        {
-            track(o, run);
-        }
-        catch (const Exception&)   // what was tracked until then is written and summed up all the same
-        {
-            if (run.frames > 0)
-                printSummary(run);
-            throw;
-        }
-        printSummary(run);
-        return 0;
-    }
-    catch (...)
-    {
-        return common::reportError(program);
-    }
+    const common::Program program = { "track_sequence", "Tracks the tools of a recorded sequence by their CAD models and joint readings.",
+                                      KEYS, { "sequence", "poses", "video", "method", "start", "frames", "time-offset", "timings", "debug", "debug-frames" },
+                                      { "stereo", "render-ahead", "quiet" } };
+    return common::runProgram(argc, argv, program, run);
 }

@@ -172,24 +172,6 @@ class Tool:
         self.info, self.model, self.tracked = info, model, 0
 
 
-class Skipped:
-    """What ToolEstimate holds, for a frame without joint readings."""
-
-    def __init__(self, state, camera_T_nominal, offsets, camera_T_tool):
-        self.state, self.camera_T_nominal, self.jointOffsets, self.camera_T_tool = state, camera_T_nominal, offsets, camera_T_tool
-        self.visibleParts, self.inliers, self.similarity, self.contourSupport, self.nis, self.matches = 0, 0, 0., 0., 0., []
-        self.covariance = np.zeros((6, 6))
-
-
-def corrected(joints, estimate):
-    """The readings with the offsets that were found; those of METHOD_PAPER and METHOD_EPNP are 0."""
-    return np.array(joints) + np.array(estimate.jointOffsets)
-
-
-def isKnown(estimate):
-    return estimate.state in (st.STATE_TRACKING, st.STATE_COASTING)
-
-
 class Run:
     def __init__(self, args):
         folder = args.sequence
@@ -216,7 +198,9 @@ class Run:
             self.tracker.addTool(models[info.model], info.nominal_T_base)
             self.tools.append(Tool(info, models[info.model]))
         self.renderer = st.MeshRenderer.createSoftware()    # of the overlay
-        self.scorer = st.PoseScorer.create(self.sequence.leftCamera(), len(self.tools)) if self.sequence.hasGroundTruth() else None
+        self.scorer = None
+        if self.sequence.hasGroundTruth():
+            self.scorer = st.PoseScorer.create(self.sequence.leftCamera(), [tool.model for tool in self.tools])
         self.timings, self.frames, self.skipped, self.seconds = [], 0, 0, 0.   # skipped: of the frames, those without joint readings
         self.time_offset = self.find_time_offset(args.quiet) if args.time_offset is None else args.time_offset
 
@@ -265,37 +249,28 @@ class Run:
     def skip(self, frame, last):
         """A frame without joint readings, at an end of the records: the poses at the nearest reading, not to be relied on."""
         readings, estimates = [], []
-        state = st.STATE_INITIALIZING if self.frames == self.skipped else st.STATE_LOST
         for i, tool in enumerate(self.tools):
             seconds = min(max(self.reading_time(frame), self.sequence.firstTime(i)), self.sequence.lastTime(i))
             joints = self.sequence.jointsAt(i, seconds, tool.model.coordinateNames())[1]
-            camera_T_nominal = last[i].camera_T_nominal if last else np.eye(4)
-            offsets = last[i].jointOffsets if last else [0.] * len(joints)
-            nominal_T_tool = np.dot(tool.info.nominal_T_base, tool.model.endEffectorPose(np.array(joints) + np.array(offsets)))
+            estimate = st.ToolEstimate()
+            estimate.state = st.STATE_INITIALIZING if self.frames == self.skipped else st.STATE_LOST
+            if last:
+                estimate.camera_T_nominal = last[i].camera_T_nominal
+            estimate.jointOffsets = last[i].jointOffsets if last else np.zeros(len(joints))
+            estimate.joints = np.array(joints) + estimate.jointOffsets
+            nominal_T_tool = np.dot(tool.info.nominal_T_base, tool.model.endEffectorPose(estimate.joints))
+            estimate.camera_T_tool = np.dot(estimate.camera_T_nominal, nominal_T_tool)
             readings.append(joints)
-            estimates.append(Skipped(state, camera_T_nominal, offsets, np.dot(camera_T_nominal, nominal_T_tool)))
+            estimates.append(estimate)
         self.skipped += 1
         return readings, estimates
-
-    def columns(self):
-        """Names of the further columns of the poses file."""
-        deviations = ['sd_rx', 'sd_ry', 'sd_rz', 'sd_tx', 'sd_ty', 'sd_tz']
-        offsets = ['offset_' + name for name in self.tools[0].model.coordinateNames()]
-        return ['visible', 'inliers', 'similarity', 'contour', 'nis'] + deviations + offsets
-
-    def row(self, tool, e):
-        """Their values; those there are none of are not finite: the file leaves them empty."""
-        deviations = [np.sqrt(v) if v > 0 else np.nan for v in np.diag(e.covariance)]
-        own = dict(zip(tool.model.coordinateNames(), e.jointOffsets))
-        offsets = [own.get(name, np.nan) for name in self.tools[0].model.coordinateNames()]
-        return [e.visibleParts, e.inliers, e.similarity, e.contourSupport, e.nis] + deviations + offsets
 
     def record(self, frame, estimates, writer):
         seconds = frame / self.sequence.fps()
         for i, (tool, e) in enumerate(zip(self.tools, estimates)):
             tool.tracked += e.state == st.STATE_TRACKING
             if writer is not None:
-                writer.write(frame, seconds, tool.info.name, e.state, e.camera_T_tool, self.row(tool, e))
+                writer.write(frame, seconds, tool.info.name, e)
             if self.scorer is not None:
                 found, truth, _ = self.sequence.groundTruth(i, frame)
                 if found:
@@ -303,24 +278,15 @@ class Run:
         self.frames += 1
 
     def draw(self, image, joints, estimates):
-        camera, scale = self.sequence.leftCamera(), image.shape[1] / 720.
-        thickness = max(1, int(round(scale)))
-        nominal, found = [], []
+        camera, nominal, found = self.sequence.leftCamera(), [], []
         for tool, e, readings in zip(self.tools, estimates, joints):
             nominal.append(st.DrawnTool(tool.model, readings, tool.info.nominal_T_base, (0, 0, 255), 0.))
-            if isKnown(e):
-                found.append(st.DrawnTool(tool.model, corrected(readings, e), e.camera_T_nominal.dot(tool.info.nominal_T_base)))
+            if e.state in (st.STATE_TRACKING, st.STATE_COASTING):
+                found.append(st.DrawnTool(tool.model, e))
         st.drawTools(image, camera, found, self.renderer)
         st.drawTools(image, camera, nominal, self.renderer)
         for i, (tool, e) in enumerate(zip(self.tools, estimates)):
-            st.drawMatches(image, e.matches, True)
-            text = '%s  %s  similarity %.2f' % (tool.info.name, st.stateName(e.state), e.similarity)
-            if e.contourSupport > 0:
-                text += '  outline %.2f' % e.contourSupport
-            origin = (int(10 * scale), int((22 + 22 * i) * scale))
-            cv.putText(image, text, origin, cv.FONT_HERSHEY_SIMPLEX, 0.55 * scale, (0, 0, 0), 3 * thickness, cv.LINE_AA)
-            color = (120, 255, 120) if isKnown(e) else (120, 120, 255)
-            cv.putText(image, text, origin, cv.FONT_HERSHEY_SIMPLEX, 0.55 * scale, color, thickness, cv.LINE_AA)
+            st.drawEvidence(image, e, tool.info.name, i)
 
     def print_summary(self):
         size = self.sequence.leftCamera().imageSize()
@@ -347,7 +313,8 @@ class Run:
 
 def track(args, run):
     reader = EyesReader(run.sequence, args.start, args.stereo)
-    writer = st.PoseWriter.create(args.poses, run.columns()) if args.poses else None
+    tools = [tool.info.name for tool in run.tools], [tool.model for tool in run.tools]
+    writer = st.PoseWriter.create(args.poses, *tools) if args.poses else None
     overlay = Overlay(args.video, run.sequence.fps(), run.sequence.leftCamera().imageSize()) if args.video else None
     remaining = max(0, reader.count - args.start)
     progress = Progress(min(args.frames, remaining) if args.frames else remaining, args.quiet)

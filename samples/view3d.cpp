@@ -12,6 +12,7 @@
 #include "opencv2/surgtrack.hpp"
 #include "support/common.hpp"
 #include "support/frame_reader.hpp"
+#include "support/tools.hpp"
 
 using namespace cv;
 using namespace cv::surgtrack;
@@ -139,7 +140,7 @@ Mat frameOf(const Sequence& sequence, int frame)
     return image;
 }
 
-void view(const CommandLineParser& parser)
+int view(const CommandLineParser& parser)
 {
     const String folder = parser.get<String>("sequence"), posesFile = parser.get<String>("poses"), out = parser.get<String>("out");
     const bool window = parser.has("window");
@@ -159,16 +160,13 @@ void view(const CommandLineParser& parser)
         fail(format("%s: has no frame %d", posesFile.c_str(), frame));
     std::vector<DrawnTool> tools, nominal;
     std::vector<Mat> paths;
-    std::map<String, Ptr<ToolModel> > models;
+    const std::vector<common::Tool> loaded = common::loadTools(*sequence);
     for (int i = 0; i < sequence->toolCount(); i++)
     {
         const SequenceTool info = sequence->tool(i);
         if (!poses.at(frame).count(info.name))
             fail(format("%s: has no tool '%s' in frame %d", posesFile.c_str(), info.name.c_str(), frame));
-        Ptr<ToolModel>& model = models[info.model];
-        if (!model)
-            model = ToolModel::load(info.model);
-        addTool(*sequence, i, model, poses.at(frame).at(info.name), tools, nominal);
+        addTool(*sequence, i, loaded[i].model, poses.at(frame).at(info.name), tools, nominal);
         paths.push_back(pathOf(poses, info.name, frame));
     }
     tools.insert(tools.end(), nominal.begin(), nominal.end());   // what is seen through comes last
@@ -193,31 +191,14 @@ void view(const CommandLineParser& parser)
     }
     if (window)
         scene->show();
+    return 0;
 }
 
 } // namespace
 
 int main(int argc, char** argv)
 {
-    const char* const program = "view3d";
-    common::silenceLibraries();
-    try
-    {
-        const char* const options[] = { "sequence", "poses", "frame", "out" };
-        const char* const flags[] = { "help", "window" };
-        common::checkCommandLine(argc, argv, std::vector<std::string>(options, options + 4), std::vector<std::string>(flags, flags + 2));
-        CommandLineParser parser(argc, argv, KEYS);
-        parser.about("Shows camera, image and tools of a tracked sequence from outside.");
-        if (parser.has("help"))
-        {
-            parser.printMessage();
-            return 0;
-        }
-        view(parser);
-        return 0;
-    }
-    catch (...)
-    {
-        return common::reportError(program);
-    }
+    const common::Program program = { "view3d", "Shows camera, image and tools of a tracked sequence from outside.",
+                                      KEYS, { "sequence", "poses", "frame", "out" }, { "window" } };
+    return common::runProgram(argc, argv, program, view);
 }

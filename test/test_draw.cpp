@@ -114,6 +114,57 @@ TEST(SurgTrack_Draw, aToolBehindTheCameraAndNoToolLeaveTheImage)
     EXPECT_EQ(0, countNonZero(differences(image, before)));
 }
 
+ToolEstimate estimateOf(const PosedTool& tool, int state)
+{
+    ToolEstimate e;
+    e.state = state;
+    e.camera_T_tool = tool.camera_T_tool;
+    e.joints = tool.joints;
+    e.similarity = 0.8;
+    e.matches.push_back(matchOf(0, Point2d(650, 500), Point2d(650, 500)));
+    return e;
+}
+
+TEST(SurgTrack_Draw, anEstimateIsTheToolAtItsJointsAndPoseItsMatchesAndAText)
+{
+    const CameraModel camera = endoscope();
+    const PosedTool tool;
+    const Mat before = textured(camera.imageSize(), 3, 1);
+    Mat image = before.clone(), expected = before.clone();
+    const ToolEstimate e = estimateOf(tool, STATE_TRACKING);
+    drawEstimate(image, camera, tool.model, e, "PSM1");
+    drawTools(expected, camera, std::vector<DrawnTool>(1, drawn(tool)));
+    drawMatches(expected, e.matches, true);
+    const Rect text(0, 0, 400, 30);
+    EXPECT_GT(countNonZero(differences(image, expected)(text)), 500) << "the text";
+    image(text).copyTo(expected(text));
+    EXPECT_EQ(0, countNonZero(differences(image, expected)));
+    EXPECT_LT(cv::norm(DrawnTool(tool.model, e).camera_T_base - tool.view.camera_T_base, NORM_INF), 1e-12);   // rounding
+}
+
+TEST(SurgTrack_Draw, theStateOfAnEstimateIsToldByColour)
+{
+    const CameraModel camera = endoscope();
+    const PosedTool tool;
+    const int states[] = {STATE_INITIALIZING, STATE_TRACKING, STATE_COASTING, STATE_LOST};
+    for (int i = 0; i < 4; i++)
+    {
+        const bool known = i == 1 || i == 2;
+        const ToolEstimate e = estimateOf(tool, states[i]);
+        EXPECT_EQ(known ? Scalar(0, 255, 0) : Scalar::all(150), DrawnTool(tool.model, e).color);
+        Mat image = Mat::zeros(camera.imageSize(), CV_8UC3), alone = image.clone();
+        drawEstimate(image, camera, tool.model, e);
+        drawEvidence(alone, e, "");
+        EXPECT_EQ(known, countNonZero(differences(image, alone)) > 1000) << "the tool is drawn where it is known";
+        const Scalar sum = cv::sum(alone(Rect(0, 0, 400, 30)));
+        EXPECT_EQ(known, sum[1] > sum[2]) << "green, else red";
+    }
+    Mat second = Mat::zeros(camera.imageSize(), CV_8UC3);
+    drawEvidence(second, estimateOf(tool, STATE_LOST), "PSM2", 1);
+    EXPECT_EQ(0, countNonZero(second(Rect(0, 0, 720, 24)).clone().reshape(1)));
+    EXPECT_GT(countNonZero(second(Rect(0, 26, 400, 22)).clone().reshape(1)), 500);
+}
+
 TEST(SurgTrack_Draw, rejectsWhatCannotBeDrawn)
 {
     const CameraModel camera = endoscope();
@@ -129,6 +180,12 @@ TEST(SurgTrack_Draw, rejectsWhatCannotBeDrawn)
     EXPECT_ERROR(drawTools(image, camera, tools), "tools[0].camera_T_base");
     tools[0] = DrawnTool();
     EXPECT_ERROR(drawTools(image, camera, tools), "tools[0].model");
+    ToolEstimate e = estimateOf(tool, STATE_TRACKING);
+    EXPECT_ERROR(drawEstimate(small, camera, tool.model, e), "100 x 100");
+    EXPECT_ERROR(drawEstimate(image, camera, Ptr<ToolModel>(), e), "model");
+    EXPECT_ERROR(drawEvidence(image, e, "PSM1", -1), "row");
+    e.joints.pop_back();
+    EXPECT_ERROR(drawEstimate(image, camera, tool.model, e), "joints");
     EXPECT_EQ(0, countNonZero(image.reshape(1)));
     EXPECT_THROW(orientationColor(8), cv::Exception);
     EXPECT_THROW(partColor(-1), cv::Exception);

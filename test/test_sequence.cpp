@@ -108,6 +108,7 @@ TEST_F(SurgTrack_Sequence, readsEveryKey)
 {
     const Ptr<Sequence> s = Sequence::load(folder);
     EXPECT_EQ("bench", s->name());
+    EXPECT_EQ(cv::utils::fs::join(folder, "groundtruth.csv"), s->groundTruthFile());
     EXPECT_EQ(25, s->fps());
     EXPECT_EQ(Size(720, 576), s->leftCamera().imageSize());
     EXPECT_EQ(822, s->leftCamera().fy);
@@ -225,6 +226,66 @@ TEST_F(SurgTrack_Sequence, groundTruthMayLackJointsOrBeAbsent)
     EXPECT_EQ(0, Sequence::load(folder)->groundTruthEnd());
 }
 
+TEST_F(SurgTrack_Sequence, readsKeypoints)
+{
+    put("keypoints.csv", "frame,tool,keypoint,u,v,x,y,z,visible\n"
+                         "3,PSM1,tip,10.5,20,0.01,0.02,0.1,1\n"
+                         "3,PSM2,tip,30,40,0,0,0.2,1\n"
+                         "3,PSM1,pivot,-5,60,,,,0\n");
+    const Ptr<Sequence> s = Sequence::load(folder);
+    EXPECT_TRUE(s->hasKeypoints());
+    EXPECT_EQ(cv::utils::fs::join(folder, "keypoints.csv"), s->keypointsFile());
+    const std::vector<TrueKeypoint> points = s->keypoints(0, 3);
+    ASSERT_EQ(2u, points.size());
+    EXPECT_EQ("tip", points[0].name);
+    EXPECT_EQ(Point2d(10.5, 20), points[0].imagePoint);
+    EXPECT_EQ(Point3d(0.01, 0.02, 0.1), points[0].cameraPoint);
+    EXPECT_TRUE(points[0].visible);
+    EXPECT_EQ("pivot", points[1].name);
+    EXPECT_EQ(Point3d(), points[1].cameraPoint) << "no x, y, z";
+    EXPECT_FALSE(points[1].visible);
+    EXPECT_EQ(1u, s->keypoints(1, 3).size());
+    EXPECT_TRUE(s->keypoints(0, 2).empty());
+    EXPECT_THROW(s->keypoints(2, 3), cv::Exception);
+}
+
+TEST_F(SurgTrack_Sequence, keypointsMayLackColumnsAndPointsOrBeAbsentOrElsewhere)
+{
+    EXPECT_FALSE(Sequence::load(folder)->hasKeypoints());
+    EXPECT_TRUE(Sequence::load(folder)->keypoints(0, 0).empty());
+    put("keypoints.csv", "frame,tool,keypoint,u,v,x,y,z,visible\n");
+    EXPECT_TRUE(Sequence::load(folder)->hasKeypoints()) << "of the header alone";
+    EXPECT_TRUE(Sequence::load(folder)->keypoints(0, 0).empty());
+    put("labels.csv", "keypoint,frame,tool,visible,u,v\ntip,0,PSM1,1,7,8\n");
+    put("sequence.yaml", replaced(DESCRIPTION, "kinematics:", "keypoints: \"labels.csv\"\nkinematics:"));
+    const std::vector<TrueKeypoint> points = Sequence::load(folder)->keypoints(0, 0);
+    ASSERT_EQ(1u, points.size());
+    EXPECT_EQ(Point2d(7, 8), points[0].imagePoint);
+    EXPECT_FALSE(Sequence::load(folder, false)->hasKeypoints()) << "without its recording";
+}
+
+TEST_F(SurgTrack_Sequence, errorsNameFileAndLineOfTheKeypoints)
+{
+    const char* const lines[] = { "0,PSM3,tip,1,2,1", "0,PSM1,tip,1,2,2", "0,PSM1,tip,1,x,1", "-1,PSM1,tip,1,2,1" };
+    const char* const words[] = { "PSM3", "visible", "v is 'x'", "frame" };
+    for (int i = 0; i < 4; i++)
+    {
+        put("keypoints.csv", String("frame,tool,keypoint,u,v,visible\n") + lines[i] + "\n");
+        const Ptr<Sequence> s = Sequence::load(folder);   // who does not ask for them is not told
+        for (int again = 0; again < 2; again++)
+            try
+            {
+                s->keypoints(0, 0);
+                ADD_FAILURE() << "no exception, expected one with " << words[i];
+            }
+            catch (const cv::Exception& e)
+            {
+                EXPECT_NE(String::npos, e.err.find("keypoints.csv, line 2")) << e.err;
+                EXPECT_NE(String::npos, e.err.find(words[i])) << e.err;
+            }
+    }
+}
+
 TEST_F(SurgTrack_Sequence, errorsNameFileAndKeyOfTheDescription)
 {
     expectDescriptionError("fps: 25\n", "", "key fps is missing");
@@ -340,6 +401,48 @@ TEST(SurgTrack_PoseWriter, rowsReadBackAsTheyWereWritten)
     remove(filename.c_str());
 }
 
+TEST(SurgTrack_PoseWriter, estimatesFillTheFurtherColumns)
+{
+    const Ptr<ToolModel> first = ToolModel::needleDriver();
+    ToolModel::Description other;   // of another tool: it shares a coordinate, at another place
+    other.name = "probe";
+    other.coordinates.push_back("turn");
+    other.coordinates.push_back("q4");
+    other.links.resize(1);
+    other.links[0].name = "rod";
+    other.endEffectorLink = 0;
+    const std::vector<Ptr<ToolModel> > models = {first, ToolModel::create(other)};
+    const String filename = cv::tempfile(".csv");
+    {
+        const Ptr<PoseWriter> writer = PoseWriter::create(filename, {"PSM1", "PSM2"}, models, {"latency"});
+        ToolEstimate e;
+        e.state = STATE_TRACKING;
+        e.camera_T_tool(2, 3) = 0.1;
+        e.covariance = Matx66d::eye() * 4;
+        e.visibleParts = 9;
+        e.inliers = 7;
+        e.similarity = 0.75;
+        e.contourSupport = 0.5;
+        e.nis = 1.25;
+        e.jointOffsets = {0, 0, 0, 0.01, 0.02, 0.03, 0.04};
+        writer->write(3, 0.12, "PSM1", e, std::vector<double>(1, 0.5));
+        e.covariance = Matx66d::zeros();
+        e.jointOffsets = {0.1, 0.2};
+        writer->write(3, 0.12, "PSM2", e, std::vector<double>(1, std::numeric_limits<double>::quiet_NaN()));
+        EXPECT_THROW(writer->write(3, 0.12, "PSM3", e, std::vector<double>(1, 0.)), cv::Exception);
+        EXPECT_THROW(writer->write(3, 0.12, "PSM1", e), cv::Exception) << "a column without a value";
+    }
+    const std::vector<std::string> lines = readLines(filename);
+    ASSERT_EQ(3u, lines.size());
+    EXPECT_EQ("frame,time,tool,status,tx,ty,tz,qx,qy,qz,qw,visible,inliers,similarity,contour,nis,sd_rx,sd_ry,sd_rz,sd_tx,sd_ty,sd_tz,"
+              "offset_q1,offset_q2,offset_q3,offset_q4,offset_q5,offset_q6,offset_jaw,latency", lines[0]);
+    const std::string pose = ",tracking,0.000000000,0.000000000,0.100000000,0.000000000,0.000000000,0.000000000,1.000000000,9,7,0.75,0.5,1.25,";
+    EXPECT_EQ("3,0.120000,PSM1" + pose + "2,2,2,2,2,2,0,0,0,0.01,0.02,0.03,0.04,0.5", lines[1]);
+    EXPECT_EQ("3,0.120000,PSM2" + pose + ",,,,,,,,,0.2,,,,", lines[2]);
+    EXPECT_THROW(PoseWriter::create(filename)->write(0, 0, "PSM1", ToolEstimate()), cv::Exception) << "not begun for estimates";
+    remove(filename.c_str());
+}
+
 TEST(SurgTrack_PoseWriter, refusesWhatIsNoPose)
 {
     const String filename = cv::tempfile(".csv");
@@ -386,7 +489,7 @@ TEST(SurgTrack_PoseScorer, countsAsTheTableOfThePaper)
 {
     const Matx33d K(720, 0, 360, 0, 720, 288, 0, 0, 1);
     const CameraModel camera(K, noArray(), Size(720, 576));
-    const Ptr<PoseScorer> scorer = PoseScorer::create(camera, 2);
+    const Ptr<PoseScorer> scorer = PoseScorer::create(camera, std::vector<Ptr<ToolModel> >(2, ToolModel::needleDriver()));
     Matx44d truth = Matx44d::eye(), near = truth, far = truth;
     truth(2, 3) = near(2, 3) = far(2, 3) = 0.1;
     near(0, 3) = 0.001;    // 7.2 to 8 pixel
@@ -404,6 +507,44 @@ TEST(SurgTrack_PoseScorer, countsAsTheTableOfThePaper)
     EXPECT_EQ(0, s.silent) << "coasting makes no claim";
     EXPECT_EQ(1, scorer->score(1).silent);
     EXPECT_EQ(4, scorer->score().frames);
+}
+
+// A pivot 0.05 m behind the end effector, whose link is fixed to the last one that moves.
+Ptr<ToolModel> longTool()
+{
+    ToolModel::Description d;
+    d.name = "hook";
+    d.coordinates.push_back("turn");
+    d.links.resize(2);
+    d.links[0].name = "pivot";
+    d.links[0].jointType = ToolModel::JOINT_REVOLUTE;
+    d.links[0].coordinate = 0;
+    d.links[1].name = "tip";
+    d.links[1].parent = 0;
+    d.endEffectorLink = 1;
+    d.link_T_endEffector(0, 3) = 0.05;
+    return ToolModel::create(d);
+}
+
+TEST(SurgTrack_PoseScorer, scoredPointsAreThoseOfTheTool)
+{
+    const CameraModel camera(Matx33d(720, 0, 360, 0, 720, 288, 0, 0, 1), noArray(), Size(720, 576));
+    const std::vector<Ptr<ToolModel> > models = {ToolModel::needleDriver(), longTool()};
+    const Ptr<PoseScorer> scorer = PoseScorer::create(camera, models);
+    Matx44d truth = Matx44d::eye(), turned = truth;
+    turned(2, 3) = truth(2, 3) = 0.1;
+    // Turned by 17 degrees about the viewing axis the end effector stays. Points 0.05 m from it move by some 107 pixel, those of
+    // the needle driver, which lie behind it, by 7 at most.
+    turned(0, 0) = turned(1, 1) = std::cos(0.3);
+    turned(1, 0) = std::sin(0.3);
+    turned(0, 1) = -turned(1, 0);
+    for (int tool = 0; tool < 2; tool++) scorer->add(tool, STATE_TRACKING, turned, truth);
+    EXPECT_EQ(1, scorer->score(0).accuracy);
+    EXPECT_EQ(0, scorer->score(1).accuracy);
+    EXPECT_EQ(0, scorer->score(1).translationMean);
+    EXPECT_THROW(PoseScorer::create(camera, std::vector<Ptr<ToolModel> >()), cv::Exception);
+    EXPECT_THROW(PoseScorer::create(camera, std::vector<Ptr<ToolModel> >(1)), cv::Exception);
+    EXPECT_THROW(PoseScorer::create(CameraModel(), models), cv::Exception);
 }
 
 }} // namespace

@@ -3,7 +3,6 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "test_tracking.hpp"
-#include "opencv2/core/utils/filesystem.hpp"
 #include "opencv2/videoio.hpp"
 
 #include <deque>
@@ -61,18 +60,15 @@ struct TrueSequence
             if (!model) model = ToolModel::load(sequence->tool(i).model);
             models.push_back(model);
         }
-        readKeypoints(cv::utils::fs::join(folder, "keypoints.csv"));
     }
 
-    // Of each tool and frame the keypoints that can be seen.
-    void readKeypoints(const String& filename)
+    // How many keypoints of a tool can be seen in a frame; -1: it is not known.
+    int inSight(int tool, int frame) const
     {
-        inSight.resize(models.size());
-        std::ifstream file(filename.c_str());
-        std::string line;
-        while (std::getline(file, line))
-            for (int i = 0; i < sequence->toolCount(); i++)
-                if (line.find("," + sequence->tool(i).name + ",") != std::string::npos) inSight[i][std::atoi(line.c_str())] += *line.rbegin() == '1';
+        const std::vector<TrueKeypoint> keypoints = sequence->keypoints(tool, frame);
+        int count = 0;
+        for (size_t i = 0; i < keypoints.size(); i++) count += keypoints[i].visible;
+        return keypoints.empty() ? -1 : count;
     }
 
     Ptr<ToolTracker> tracker(bool stereo) const
@@ -95,7 +91,6 @@ struct TrueSequence
 
     Ptr<Sequence> sequence;
     std::vector<Ptr<ToolModel> > models;
-    std::vector<std::map<int, int> > inSight;
 };
 
 struct StartRate
@@ -126,10 +121,9 @@ void startAt(const TrueSequence& s, int first, const std::deque<std::vector<Mat>
             std::vector<double> unused;
             ASSERT_TRUE(s.sequence->groundTruth(i, first + k, truth, unused));
             success[i] = success[i] || isStarted(e[i], truth);
-            const std::map<int, int>::const_iterator sight = s.inSight[i].find(first + k);
             traces[i] += format("; %s %.1f mm %.3f rad, sight %d parts %d inliers %d similarity %.2f contour %.2f nis %.1f", stateName(e[i].state).c_str(),
                                 distance(e[i].camera_T_tool, truth) * 1e3, rotationAngle(e[i].camera_T_tool, truth),
-                                sight == s.inSight[i].end() ? -1 : sight->second, e[i].visibleParts, e[i].inliers, e[i].similarity, e[i].contourSupport, e[i].nis);
+                                s.inSight(i, first + k), e[i].visibleParts, e[i].inliers, e[i].similarity, e[i].contourSupport, e[i].nis);
         }
     }
     rate.frames++;

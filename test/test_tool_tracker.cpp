@@ -433,7 +433,7 @@ TEST(SurgTrack_Tracker, followsTheRecordedPaperRig)
         models.push_back(ToolModel::load(sequence->tool(i).model));
         tracker->addTool(models[i], sequence->tool(i).nominal_T_base);
     }
-    Ptr<PoseScorer> scorer = PoseScorer::create(camera, sequence->toolCount());
+    Ptr<PoseScorer> scorer = PoseScorer::create(camera, models);
     for (int frame = 0; frame < 60; frame++)
     {
         Mat image;

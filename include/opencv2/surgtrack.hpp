@@ -49,6 +49,7 @@ readings plus ToolEstimate::jointOffsets. With a right camera all poses are in t
 #include "opencv2/surgtrack/tool_pose_ekf.hpp"
 #include "opencv2/surgtrack/contour.hpp"
 #include "opencv2/surgtrack/articulated_pose_ekf.hpp"
+#include "opencv2/surgtrack/tool_estimate.hpp"
 #include "opencv2/surgtrack/tool_tracker.hpp"
 #include "opencv2/surgtrack/draw.hpp"
 #include "opencv2/surgtrack/scene_view.hpp"

@@ -28,6 +28,8 @@ typedef std::vector<cv::surgtrack::PartTemplate> vector_PartTemplate;
 typedef std::vector<cv::surgtrack::StageTime> vector_StageTime;
 typedef std::vector<cv::surgtrack::ToolEstimate> vector_ToolEstimate;
 typedef std::vector<cv::surgtrack::ToolView> vector_ToolView;
+typedef std::vector<cv::surgtrack::TrueKeypoint> vector_TrueKeypoint;
+typedef std::vector<cv::Ptr<cv::surgtrack::ToolModel> > vector_Ptr_ToolModel;
 typedef std::vector<cv::Matx44d> vector_Matx44d;
 typedef std::vector<cv::Point2d> vector_Point2d;
 typedef std::vector<cv::Vec3i> vector_Vec3i;

@@ -166,23 +166,18 @@ private:
     std::map<int, Point2d> visibleKeypoints(int frame, int tool)
     {
         std::map<int, Point2d> result;
-        if (!data_.keypoints.empty())
+        if (data_.sequence->hasKeypoints())
         {
-            for (size_t part = 0; part < data_.keypoints[tool].size(); part++)
-            {
-                const std::map<int, TrueKeypoint>::const_iterator it = data_.keypoints[tool][part].find(frame);
-                if (it == data_.keypoints[tool][part].end() || !it->second.visible)
-                    continue;
-                const Point2d& p = it->second.imagePoint;
-                result[(int)part] = Point2d((p.x + 0.5) / finder_->reduction() - 0.5, (p.y + 0.5) / finder_->reduction() - 0.5);
-            }
+            const std::map<int, Point2d> points = data_.visibleKeypoints(tool, frame);
+            for (std::map<int, Point2d>::const_iterator it = points.begin(); it != points.end(); ++it)
+                result[it->first] = Point2d((it->second.x + 0.5) / finder_->reduction() - 0.5, (it->second.y + 0.5) / finder_->reduction() - 0.5);
             return result;
         }
         std::vector<Matx44d> bases;
         for (int i = 0; i < (int)data_.tools.size(); i++)
         {
             if (truths_[i].joints.empty())
-                fail(fileOf(data_.folder, "groundtruth", "groundtruth.csv") + ": expected the true joints of tool '" + data_.tools[i].info.name +
+                fail(data_.sequence->groundTruthFile() + ": expected the true joints of tool '" + data_.tools[i].info.name +
                      "', or a keypoints.csv beside it");
             bases.push_back(data_.camera_T_base(i, truths_[i].camera_T_tool, truths_[i].joints));
         }

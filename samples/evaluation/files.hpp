@@ -93,7 +93,7 @@ inline String trackerFile()
     return String();
 #else
     // An object of the module points to the table of its virtual functions; the address of a function may be a stub of this program.
-    const Ptr<PoseScorer> object = PoseScorer::create(CameraModel(Matx33d::eye(), noArray(), Size(1, 1)), 1);
+    const Ptr<GeometricContextVerifier> object = GeometricContextVerifier::create();
     Dl_info info;
     return dladdr(*reinterpret_cast<void* const*>(object.get()), &info) && info.dli_fname ? String(info.dli_fname) : String();
 #endif
@@ -107,8 +107,8 @@ inline void addSequence(Fingerprint& print, const String& folder)
     {
         const Ptr<Sequence> sequence = Sequence::load(folder);
         print.addFile(sequence->kinematicsFile());
-        print.addFile(fileOf(folder, "groundtruth", "groundtruth.csv"));
-        print.addFile(fileOf(folder, "keypoints", "keypoints.csv"));
+        print.addFile(sequence->groundTruthFile());
+        print.addFile(sequence->keypointsFile());
         print.addFile(sequence->leftVideo());
         print.addFile(sequence->rightVideo());
         for (int i = 0; i < sequence->toolCount(); i++)

@@ -99,8 +99,8 @@ inline Record recordOf(const Data& data, int tool, int frame, int state, const M
     r.tool = tool;
     r.state = state;
     r.time = data.time(frame);
-    r.error = poseError(camera_T_tool, truth.camera_T_tool);
-    r.axes = rotationVector(rotationOf(truth.camera_T_tool).t() * rotationOf(camera_T_tool));
+    r.error = Vec6d(poseError(camera_T_tool, truth.camera_T_tool).val);
+    r.axes = Vec3d(poseError(rigidInverse(camera_T_tool), rigidInverse(truth.camera_T_tool)).val);   // its first three: R_true^T R_estimate
     r.translation = norm(Vec3d(r.error[3], r.error[4], r.error[5]));
     r.rotation = norm(r.axes);
     r.nees = r.rotationNees = r.translationNees = r.nis = unknown();
@@ -155,7 +155,7 @@ public:
             tracker_->addTool(data.tools[i].model, data.tools[i].info.nominal_T_base);
         if (stereo)
             tracker_->setRightCamera(data.sequence->rightCamera(), data.sequence->right_T_left());
-        scorer_ = PoseScorer::create(data.sequence->leftCamera(), (int)data.tools.size());
+        scorer_ = PoseScorer::create(data.sequence->leftCamera(), common::modelsOf(data.tools));
     }
 
     //! @param frames at most so many; 0 = all
@@ -208,9 +208,7 @@ private:
             return;
         worst.record = r;
         image.copyTo(worst.image);
-        worst.joints = readings;
-        for (size_t i = 0; i < e.jointOffsets.size(); i++)
-            worst.joints[i] += e.jointOffsets[i];
+        worst.joints = e.joints;
         worst.trueJoints = truth.joints.empty() ? readings : truth.joints;
         worst.camera_T_base = data_.camera_T_base(tool, e.camera_T_tool, worst.joints);
         worst.true_camera_T_base = data_.camera_T_base(tool, truth.camera_T_tool, worst.trueJoints);
@@ -232,7 +230,7 @@ inline Run control(const Data& data, bool frozen, int frames)
 {
     Run run;
     run.method = frozen ? "frozen" : "recorded";
-    const Ptr<PoseScorer> scorer = PoseScorer::create(data.sequence->leftCamera(), (int)data.tools.size());
+    const Ptr<PoseScorer> scorer = PoseScorer::create(data.sequence->leftCamera(), common::modelsOf(data.tools));
     const int end = data.sequence->groundTruthEnd();
     std::vector<Matx44d> corrections(data.tools.size(), Matx44d::eye());
     std::vector<char> known(data.tools.size(), !frozen);

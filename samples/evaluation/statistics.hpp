@@ -2,7 +2,7 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
-// What evaluate computes with: means, chi-square bands, errors of poses, checked text files.
+// What evaluate computes with: means, chi-square bands, transforms, checked text files.
 
 #ifndef OPENCV_SURGTRACK_SAMPLES_EVALUATION_STATISTICS_HPP
 #define OPENCV_SURGTRACK_SAMPLES_EVALUATION_STATISTICS_HPP
@@ -120,25 +120,6 @@ inline cv::Matx44d rigidInverse(const cv::Matx44d& T)
     return rigid(Rt, -(Rt * translationOf(T)));
 }
 
-//! Rotation vector: axis times angle [rad].
-inline cv::Vec3d rotationVector(const cv::Matx33d& R)
-{
-    const cv::Vec3d v(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
-    const double s = cv::norm(v), angle = std::atan2(s, cv::trace(R) - 1);
-    if (s > 1e-9)
-        return v * (angle / s);
-    if (angle < 1)
-        return v * 0.5;
-    // Half a turn: R + I = 2 a a^T; its longest column is along the axis.
-    int longest = 0;
-    for (int i = 1; i < 3; i++)
-        if (R(i, i) > R(longest, longest))
-            longest = i;
-    cv::Vec3d axis(R(0, longest), R(1, longest), R(2, longest));
-    axis[longest] += 1;
-    return axis * (angle / cv::norm(axis));
-}
-
 inline cv::Matx33d rotationFromVector(const cv::Vec3d& v)
 {
     const double angle = cv::norm(v);
@@ -147,33 +128,6 @@ inline cv::Matx33d rotationFromVector(const cv::Vec3d& v)
     const cv::Vec3d n = v * (1 / angle);
     const cv::Matx33d N(0, -n[2], n[1], n[2], 0, -n[0], -n[1], n[0], 0);
     return cv::Matx33d::eye() + N * std::sin(angle) + N * N * (1 - std::cos(angle));   // Rodrigues
-}
-
-/** What leads from an estimate to the truth, as ToolEstimate::covariance has it: (rotation vector, translation), both in the camera
-frame; R_true = exp(rotation) R_estimate, t_true = t_estimate + translation. */
-inline cv::Vec6d poseError(const cv::Matx44d& estimate, const cv::Matx44d& truth)
-{
-    const cv::Vec3d r = rotationVector(rotationOf(truth) * rotationOf(estimate).t()), t = translationOf(truth) - translationOf(estimate);
-    return cv::Vec6d(r[0], r[1], r[2], t[0], t[1], t[2]);
-}
-
-/** e^T P^-1 e of the components first..first + count - 1; unknown if that block of P is not positive definite.
-Components are divided by their deviations first: metres and radians differ by orders of magnitude. */
-inline double normalizedErrorSquared(const cv::Vec6d& e, const cv::Matx66d& P, int first = 0, int count = 6)
-{
-    cv::Mat_<double> correlation(count, count), scaled(count, 1), solution;
-    for (int i = 0; i < count; i++)
-    {
-        const double variance = P(first + i, first + i);
-        if (!(variance > 0))
-            return unknown();
-        scaled(i) = e[first + i] / std::sqrt(variance);
-        for (int j = 0; j < count; j++)
-            correlation(i, j) = P(first + i, first + j) / std::sqrt(variance * P(first + j, first + j));
-    }
-    if (!cv::checkRange(correlation) || !cv::solve(correlation, scaled, solution, cv::DECOMP_CHOLESKY))
-        return unknown();
-    return scaled.dot(solution);
 }
 
 //! A number of a CSV file; nothing if it is not finite.

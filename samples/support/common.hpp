@@ -92,6 +92,36 @@ inline void checkCommandLine(int argc, char** argv, const std::vector<std::strin
     }
 }
 
+//! A sample, for main().
+struct Program
+{
+    const char *name, *about;
+    const char* keys;                            //!< of cv::CommandLineParser
+    std::vector<std::string> options, flags;     //!< with a value, and without one
+};
+
+/** What main() of a sample does: --help, or run(parser) with a checked command line; whatever goes wrong is one line on stderr.
+@return the exit code: that of run() */
+template <class Run> int runProgram(int argc, char** argv, Program program, Run run)
+{
+    silenceLibraries();
+    try
+    {
+        program.flags.push_back("help");
+        checkCommandLine(argc, argv, program.options, program.flags);
+        cv::CommandLineParser parser(argc, argv, program.keys);
+        parser.about(program.about);
+        if (!parser.has("help"))
+            return run(parser);
+        parser.printMessage();
+        return 0;
+    }
+    catch (...)
+    {
+        return reportError(program.name);
+    }
+}
+
 inline double number(const cv::CommandLineParser& parser, const char* name, double least, double most)
 {
     const std::string text = parser.get<std::string>(name);

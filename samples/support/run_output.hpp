@@ -2,7 +2,7 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
-// What a run writes beside its poses: the overlay video and the times of its stages.
+// What a run writes beside its poses: the overlay video and the times of its stages, and what it prints of these.
 
 #ifndef OPENCV_SURGTRACK_SAMPLES_SUPPORT_RUN_OUTPUT_HPP
 #define OPENCV_SURGTRACK_SAMPLES_SUPPORT_RUN_OUTPUT_HPP
@@ -13,6 +13,15 @@
 #include "common.hpp"
 
 namespace common {
+
+//! The value that so much of the others are below; 0 without any.
+inline double percentile(std::vector<double> values, double share)
+{
+    if (values.empty())
+        return 0;
+    std::sort(values.begin(), values.end());
+    return values[std::min(values.size() - 1, (size_t)(share * values.size()))];
+}
 
 //! The overlay video.
 class Overlay

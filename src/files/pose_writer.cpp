@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <locale>
 #include <sstream>
 #include "base/geometry.hpp"
@@ -24,11 +25,21 @@ bool isName(const String& name)
     return !name.empty() && name.find_first_of(",\"\r\n") == String::npos;
 }
 
+// Names of what an estimate says beside its pose, but for the joints' offsets.
+const char* const evidenceColumns[] = {"visible", "inliers", "similarity", "contour", "nis", "sd_rx", "sd_ry", "sd_rz", "sd_tx", "sd_ty", "sd_tz"};
+
+// coordinates: whose offset goes into each of the columns; -1: the tool has no such coordinate
+struct WrittenTool
+{
+    String name;
+    std::vector<int> coordinates;
+};
+
 class PoseWriterImpl CV_FINAL : public PoseWriter
 {
 public:
-    PoseWriterImpl(const String& filename, const std::vector<String>& extraColumns)
-        : filename_(filename), extraColumns_(extraColumns.size()), file_(std::fopen(filename.c_str(), "wb")), size_(0)
+    PoseWriterImpl(const String& filename, const std::vector<String>& extraColumns, const std::vector<WrittenTool>& tools)
+        : filename_(filename), tools_(tools), extraColumns_(extraColumns.size()), file_(std::fopen(filename.c_str(), "wb")), size_(0)
     {
         if (!file_)
             CV_Error(Error::StsError, format("%s: can't be written: %s", filename.c_str(), std::strerror(errno)));
@@ -84,6 +95,26 @@ public:
         put(row.str());
     }
 
+    void write(int frame, double time, const String& tool, const ToolEstimate& e, const std::vector<double>& extra) CV_OVERRIDE
+    {
+        if (tools_.empty()) CV_Error(Error::StsBadArg, "the file was not begun for estimates, expected create() with tools and models");
+        size_t index = 0;
+        while (index < tools_.size() && tools_[index].name != tool) index++;
+        if (index == tools_.size()) CV_Error(Error::StsBadArg, format("tool '%s' is none of those given to create()", tool.c_str()));
+        const double nothing = std::numeric_limits<double>::quiet_NaN();
+        const double evidence[] = {double(e.visibleParts), double(e.inliers), e.similarity, e.contourSupport, e.nis};
+        std::vector<double> row(evidence, evidence + 5);
+        for (int i = 0; i < 6; i++) row.push_back(e.covariance(i, i) > 0 ? std::sqrt(e.covariance(i, i)) : nothing);
+        const std::vector<int>& coordinates = tools_[index].coordinates;
+        for (size_t i = 0; i < coordinates.size(); i++)
+        {
+            const int k = coordinates[i];
+            row.push_back(k >= 0 && k < int(e.jointOffsets.size()) ? e.jointOffsets[k] : nothing);
+        }
+        row.insert(row.end(), extra.begin(), extra.end());
+        write(frame, time, tool, e.state, e.camera_T_tool, row);
+    }
+
 private:
     void put(const String& row)
     {
@@ -105,6 +136,7 @@ private:
     }
 
     String filename_;
+    std::vector<WrittenTool> tools_;   // of estimates
     size_t extraColumns_;
     FILE* file_;
     int64 size_;   // of the complete rows
@@ -112,11 +144,36 @@ private:
 
 } // namespace
 
+static Ptr<PoseWriter> begin(const String& filename, const std::vector<String>& columns, const std::vector<WrittenTool>& tools)
+{
+    for (size_t i = 0; i < columns.size(); i++)
+        CV_Assert(isName(columns[i]) && "a column must have a name without comma, quote and line break");
+    return makePtr<PoseWriterImpl>(filename, columns, tools);
+}
+
 Ptr<PoseWriter> PoseWriter::create(const String& filename, const std::vector<String>& extraColumns)
 {
-    for (size_t i = 0; i < extraColumns.size(); i++)
-        CV_Assert(isName(extraColumns[i]) && "a column must have a name without comma, quote and line break");
-    return makePtr<PoseWriterImpl>(filename, extraColumns);
+    return begin(filename, extraColumns, std::vector<WrittenTool>());
+}
+
+Ptr<PoseWriter> PoseWriter::create(const String& filename, const std::vector<String>& tools, const std::vector<Ptr<ToolModel> >& models,
+                                   const std::vector<String>& extraColumns)
+{
+    CV_CheckEQ(tools.size(), models.size(), "one model per tool");
+    CV_Assert(!tools.empty());
+    for (size_t i = 0; i < models.size(); i++)
+        if (!models[i]) CV_Error(Error::StsBadArg, format("models[%d] is empty", int(i)));
+    std::vector<String> columns(evidenceColumns, evidenceColumns + sizeof(evidenceColumns) / sizeof(*evidenceColumns));
+    const std::vector<String> coordinates = models[0]->coordinateNames();
+    std::vector<WrittenTool> written(tools.size());
+    for (size_t i = 0; i < tools.size(); i++) written[i].name = tools[i];
+    for (size_t k = 0; k < coordinates.size(); k++)
+    {
+        columns.push_back("offset_" + coordinates[k]);
+        for (size_t i = 0; i < tools.size(); i++) written[i].coordinates.push_back(models[i]->coordinateIndex(coordinates[k]));
+    }
+    columns.insert(columns.end(), extraColumns.begin(), extraColumns.end());
+    return begin(filename, columns, written);
 }
 
 }} // namespace cv::surgtrack

@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include <mutex>
 #include "opencv2/core/utils/filesystem.hpp"
 #include "files/csv.hpp"
 #include "base/geometry.hpp"
@@ -23,7 +24,18 @@ int findTool(const std::vector<SequenceTool>& tools, const CsvReader& csv, int c
 
 SequenceTool::SequenceTool() : nominal_T_base(Matx44d::eye()) {}
 
-Sequence::Sequence() : fps_(0), right_T_left_(Matx44d::eye()) {}
+TrueKeypoint::TrueKeypoint() : visible(false) {}
+
+//! Of keypoints.csv, which few need: it is read when it is first asked for, by any thread.
+struct Sequence::KeypointRecords
+{
+    KeypointRecords() : read(false) {}
+    std::mutex mutex;
+    bool read;
+    std::vector<std::map<int, std::vector<TrueKeypoint> > > frames;   // a tool, by frame
+};
+
+Sequence::Sequence() : fps_(0), right_T_left_(Matx44d::eye()), hasGroundTruth_(false), keypoints_(makePtr<KeypointRecords>()) {}
 
 Ptr<Sequence> Sequence::load(const String& folder, bool recorded)
 {
@@ -39,8 +51,6 @@ Ptr<Sequence> Sequence::load(const String& folder, bool recorded)
         sequence->readKinematics();
         sequence->readGroundTruth();
     }
-    else
-        sequence->groundTruthFile_.clear();
     return sequence;
 }
 
@@ -76,11 +86,9 @@ void Sequence::readKinematics()
 void Sequence::readGroundTruth()
 {
     truth_.resize(tools_.size());
-    if (!utils::fs::exists(groundTruthFile_))
-    {
-        groundTruthFile_.clear();
+    hasGroundTruth_ = utils::fs::exists(groundTruthFile_);
+    if (!hasGroundTruth_)
         return;
-    }
     CsvReader csv(groundTruthFile_);
     const int frameColumn = csv.column("frame"), toolColumn = csv.column("tool");
     const char* const names[] = { "tx", "ty", "tz", "qx", "qy", "qz", "qw" };
@@ -111,6 +119,33 @@ void Sequence::readGroundTruth()
         for (size_t i = 0; i < jointColumns.size(); i++)
             t.joints.push_back(csv.number(jointColumns[i]));
     }
+}
+
+void Sequence::readKeypoints() const
+{
+    std::vector<std::map<int, std::vector<TrueKeypoint> > > frames(tools_.size());
+    if (hasKeypoints())
+    {
+        CsvReader csv(keypointsFile_);
+        const int frameColumn = csv.column("frame"), toolColumn = csv.column("tool"), nameColumn = csv.column("keypoint");
+        const int u = csv.column("u"), v = csv.column("v"), visibleColumn = csv.column("visible");
+        const int x = csv.find("x"), y = csv.find("y"), z = csv.find("z");
+        while (csv.next())
+        {
+            TrueKeypoint point;
+            point.name = csv.text(nameColumn);
+            point.imagePoint = Point2d(csv.number(u), csv.number(v));
+            if (x >= 0 && y >= 0 && z >= 0 && *csv.text(x))
+                point.cameraPoint = Point3d(csv.number(x), csv.number(y), csv.number(z));
+            const int visible = csv.count(visibleColumn);
+            if (visible > 1)
+                csv.fail(format("visible is '%s', expected 0 or 1", csv.text(visibleColumn)));
+            point.visible = visible == 1;
+            frames[findTool(tools_, csv, toolColumn)][csv.count(frameColumn)].push_back(point);
+        }
+    }
+    keypoints_->frames.swap(frames);
+    keypoints_->read = true;
 }
 
 SequenceTool Sequence::tool(int index) const
@@ -161,7 +196,7 @@ bool Sequence::jointsAt(int tool, double time, std::vector<double>& joints, cons
     return true;
 }
 
-bool Sequence::hasGroundTruth() const { return !groundTruthFile_.empty(); }
+bool Sequence::hasGroundTruth() const { return hasGroundTruth_; }
 
 int Sequence::groundTruthEnd() const
 {
@@ -181,6 +216,19 @@ bool Sequence::groundTruth(int tool, int frame, Matx44d& camera_T_tool, std::vec
     camera_T_tool = it->second.camera_T_tool;
     joints = it->second.joints;
     return true;
+}
+
+bool Sequence::hasKeypoints() const { return !records_.empty() && utils::fs::exists(keypointsFile_); }
+
+std::vector<TrueKeypoint> Sequence::keypoints(int tool, int frame) const
+{
+    records(tool);   // checks the index
+    const std::lock_guard<std::mutex> lock(keypoints_->mutex);
+    if (!keypoints_->read)
+        readKeypoints();
+    const std::map<int, std::vector<TrueKeypoint> >& frames = keypoints_->frames[tool];
+    const std::map<int, std::vector<TrueKeypoint> >::const_iterator it = frames.find(frame);
+    return it == frames.end() ? std::vector<TrueKeypoint>() : it->second;
 }
 
 }} // namespace cv::surgtrack

@@ -130,9 +130,10 @@ void Sequence::readDescription(const String& folder, const String& filename, boo
             rightVideo_ = resolve(folder, root["right"]["video"].text("the path of a video"));
         right_T_left_ = readTransform(root["right_T_left"]);
     }
-    const Key kinematics = root["kinematics"], truth = root["groundtruth"];
+    const Key kinematics = root["kinematics"], truth = root["groundtruth"], keypoints = root["keypoints"];
     kinematicsFile_ = resolve(folder, kinematics.there() ? kinematics.text("the path of a CSV file") : String("kinematics.csv"));
     groundTruthFile_ = resolve(folder, truth.there() ? truth.text("the path of a CSV file") : String("groundtruth.csv"));
+    keypointsFile_ = resolve(folder, keypoints.there() ? keypoints.text("the path of a CSV file") : String("keypoints.csv"));
 
     if (!root["tools"].node.isSeq() || root["tools"].node.size() == 0)
         root["tools"].fail("a list of at least one tool");

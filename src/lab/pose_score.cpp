@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include <limits>
 
 namespace cv { namespace surgtrack {
 
@@ -10,6 +11,7 @@ namespace {
 
 const double MAX_PIXELS = 10, REFERENCE_WIDTH = 720;   // paper, Sec. 3, scaled with the image
 const double SILENT_ERROR = 0.005;                     // [m]
+const double BESIDE_PIVOT = 0.003;                     // [m]
 
 struct Sums
 {
@@ -32,10 +34,35 @@ double deviationOf(double sum, double sum2, int n)
     return n ? std::sqrt(std::max(0., sum2 / n - (sum / n) * (sum / n))) : 0;
 }
 
+// In the end effector's frame.
+std::vector<Vec3d> scoredPoints(const ToolModel& model)
+{
+    const std::vector<ToolModel::Link>& links = model.links();
+    int pivot = model.endEffectorLink();
+    while (pivot >= 0 && links[pivot].jointType == ToolModel::JOINT_FIXED)
+        pivot = links[pivot].parent;
+    if (pivot < 0)   // nothing moves
+        pivot = model.endEffectorLink();
+    std::vector<Matx44d> base_T_link;
+    model.forwardKinematics(std::vector<double>(model.coordinateNames().size(), 0.), base_T_link);   // any: no joint lies between
+    const Matx44d tool_T_pivot = rigidInverse(model.endEffectorFromLinks(base_T_link)) * base_T_link[pivot];
+    std::vector<Vec3d> points(1, Vec3d());
+    for (int side = -1; side <= 1; side++)
+    {
+        const Point3d p = transform(tool_T_pivot, Point3d(0, 0, side * BESIDE_PIVOT));   // a link turns about its z
+        points.push_back(Vec3d(p.x, p.y, p.z));
+    }
+    return points;
+}
+
 class PoseScorerImpl CV_FINAL : public PoseScorer
 {
 public:
-    PoseScorerImpl(const CameraModel& camera, int tools) : camera_(camera), sums_(tools) {}
+    PoseScorerImpl(const CameraModel& camera, const std::vector<Ptr<ToolModel> >& models) : camera_(camera), sums_(models.size())
+    {
+        for (size_t i = 0; i < models.size(); i++)
+            points_.push_back(scoredPoints(*models[i]));
+    }
 
     void add(int tool, int state, const Matx44d& camera_T_tool, const Matx44d& true_camera_T_tool) CV_OVERRIDE
     {
@@ -54,7 +81,7 @@ public:
         s.translation2 += translation * translation;
         s.rotation += rotation;
         s.rotation2 += rotation * rotation;
-        s.accurate += reprojectionError(R, t, trueR, trueT) <= MAX_PIXELS * camera_.imageSize().width / REFERENCE_WIDTH;
+        s.accurate += reprojectionError(points_[tool], R, t, trueR, trueT) <= MAX_PIXELS * camera_.imageSize().width / REFERENCE_WIDTH;
         s.silent += state == STATE_TRACKING && translation > SILENT_ERROR;
     }
 
@@ -94,17 +121,16 @@ private:
         return X[2] > 1e-6 ? Point2d(camera_.fx * X[0] / X[2], camera_.fy * X[1] / X[2]) : Point2d(1e9, 1e9);
     }
 
-    double reprojectionError(const Matx33d& R, const Vec3d& t, const Matx33d& trueR, const Vec3d& trueT) const
+    double reprojectionError(const std::vector<Vec3d>& points, const Matx33d& R, const Vec3d& t, const Matx33d& trueR, const Vec3d& trueT) const
     {
-        // Tip, jaw pivot, and 3 mm from it along the yaw axis.
-        const Vec3d points[] = { Vec3d(0, 0, 0), Vec3d(0, 0, -0.0102), Vec3d(0.003, 0, -0.0102), Vec3d(-0.003, 0, -0.0102) };
         double sum = 0;
-        for (int i = 0; i < 4; i++)
+        for (size_t i = 0; i < points.size(); i++)
             sum += norm(project(R * points[i] + t) - project(trueR * points[i] + trueT));
-        return sum / 4;
+        return sum / (double)points.size();
     }
 
     CameraModel camera_;
+    std::vector<std::vector<Vec3d> > points_;   // a tool
     std::vector<Sums> sums_;
 };
 
@@ -115,11 +141,65 @@ PoseScore::PoseScore()
 {
 }
 
-Ptr<PoseScorer> PoseScorer::create(const CameraModel& camera, int tools)
+Ptr<PoseScorer> PoseScorer::create(const CameraModel& camera, const std::vector<Ptr<ToolModel> >& models)
 {
-    CV_CheckGT(tools, 0, "number of tools");
+    CV_Assert(!models.empty());
+    for (size_t i = 0; i < models.size(); i++)
+        if (!models[i])
+            CV_Error(Error::StsBadArg, format("models[%d] is empty", (int)i));
     CV_Assert(!camera.imageSize().empty() && "the camera must have an image size");
-    return makePtr<PoseScorerImpl>(camera, tools);
+    return makePtr<PoseScorerImpl>(camera, models);
+}
+
+static Vec3d rotationVector(const Matx33d& R)
+{
+    const Vec3d v(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
+    const double s = norm(v), angle = std::atan2(s, trace(R) - 1);
+    if (s > 1e-9)
+        return v * (angle / s);
+    if (angle < 1)
+        return v * 0.5;
+    // Half a turn: R + I = 2 a a^T; its longest column is along the axis.
+    int longest = 0;
+    for (int i = 1; i < 3; i++)
+        if (R(i, i) > R(longest, longest))
+            longest = i;
+    Vec3d axis(R(0, longest), R(1, longest), R(2, longest));
+    axis[longest] += 1;
+    return axis * (angle / norm(axis));
+}
+
+Matx61d poseError(const Matx44d& camera_T_tool, const Matx44d& true_camera_T_tool)
+{
+    const Vec3d r = rotationVector(true_camera_T_tool.get_minor<3, 3>(0, 0) * camera_T_tool.get_minor<3, 3>(0, 0).t());
+    Matx61d e;
+    for (int i = 0; i < 3; i++)
+    {
+        e(i) = r[i];
+        e(3 + i) = true_camera_T_tool(i, 3) - camera_T_tool(i, 3);
+    }
+    return e;
+}
+
+double normalizedErrorSquared(const Matx61d& error, const Matx66d& covariance, int first, int count)
+{
+    CV_CheckGE(first, 0, "first component");
+    CV_Check(count, count > 0 && first + count <= 6, "number of components");
+    // Components are divided by their deviations first: metres and radians differ by orders of magnitude.
+    const double unknown = std::numeric_limits<double>::quiet_NaN();
+    Mat_<double> correlation(count, count), scaled(count, 1), solution;
+    for (int i = 0; i < count; i++)
+    {
+        const double variance = covariance(first + i, first + i);
+        if (!(variance > 0))
+            return unknown;
+        scaled(i) = error(first + i) / std::sqrt(variance);
+        for (int j = 0; j < count; j++)
+            correlation(i, j) = covariance(first + i, first + j) / std::sqrt(variance * covariance(first + j, first + j));
+    }
+    if (!checkRange(correlation) || !solve(correlation, scaled, solution, DECOMP_CHOLESKY))
+        return unknown;
+    return scaled.dot(solution);
 }
 
 }} // namespace cv::surgtrack

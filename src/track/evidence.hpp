@@ -5,7 +5,7 @@
 #ifndef OPENCV_SURGTRACK_SRC_TRACK_EVIDENCE_HPP
 #define OPENCV_SURGTRACK_SRC_TRACK_EVIDENCE_HPP
 
-#include "opencv2/surgtrack/tool_tracker.hpp"
+#include "opencv2/surgtrack/tool_estimate.hpp"
 
 namespace cv { namespace surgtrack {
 

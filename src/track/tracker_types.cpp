@@ -7,19 +7,6 @@
 
 namespace cv { namespace surgtrack {
 
-String stateName(int state)
-{
-    static const char* names[] = {"initializing", "tracking", "coasting", "lost"};
-    CV_Check(state, state >= STATE_INITIALIZING && state <= STATE_LOST, "no such state");
-    return names[state];
-}
-
-ToolEstimate::ToolEstimate()
-    : state(STATE_INITIALIZING), camera_T_tool(Matx44d::eye()), camera_T_nominal(Matx44d::eye()), covariance(Matx66d::zeros()),
-      visibleParts(0), inliers(0), similarity(0), contourSupport(0), nis(0)
-{
-}
-
 ToolTracker::Params::Params()
     : method(METHOD_FULL), jointOffsets(true), contours(true), adaptation(true), initialWindow(0.014), minWindow(30), minInitialInliers(6),
       minInitialSimilarity(0.65), confirmFrames(1), coastingTime(2), seed(1)

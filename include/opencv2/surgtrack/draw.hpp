@@ -7,6 +7,7 @@
 
 #include "opencv2/surgtrack/geometric_context.hpp"
 #include "opencv2/surgtrack/contour.hpp"
+#include "opencv2/surgtrack/tool_estimate.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -25,6 +26,12 @@ struct CV_EXPORTS_W_SIMPLE DrawnTool
     @param opacity of its surface, 0..1 */
     CV_WRAP DrawnTool(const Ptr<ToolModel>& model, const std::vector<double>& joints, const Matx44d& camera_T_base,
                       const Scalar& color = Scalar(0, 255, 0), double opacity = 0.4);
+
+    /** @brief A tool where an estimate has it: green where that is known (tracking or coasting), else grey.
+    @param model the tool
+    @param estimate what the tracker said of it
+    @param opacity of its surface, 0..1 */
+    CV_WRAP DrawnTool(const Ptr<ToolModel>& model, const ToolEstimate& estimate, double opacity = 0.4);
 
     CV_PROP_RW Ptr<ToolModel> model;
     CV_PROP_RW std::vector<double> joints;    //!< one value per coordinate [rad or m]
@@ -103,6 +110,26 @@ CV_EXPORTS_W void drawSimilarity(InputArray similarity, const PartTemplate& part
 @param matches what QGOMatcher::match() or GeometricContextVerifier::verify() gave
 @param filled whether the circles are */
 CV_EXPORTS_W void drawMatches(InputOutputArray image, const std::vector<PartMatch>& matches, bool filled = false);
+
+/** @brief Draws the evidence of an estimate: its matches as dots, and a line of text in the upper left corner with the tool's name, the
+state, the similarity and how much of the outline is where it should be; green where the pose is known (tracking or coasting), else red.
+@param image CV_8UC3, is drawn on
+@param estimate what the tracker said
+@param name of the tool
+@param row of the text: 0, 1, ... for several tools in one image */
+CV_EXPORTS_W void drawEvidence(InputOutputArray image, const ToolEstimate& estimate, const String& name, int row = 0);
+
+/** @brief Draws an estimate: the tool where it was found, if that is known (tracking or coasting), and drawEvidence().
+
+For tools that hide each other: drawTools() of all of them, then drawEvidence() of each.
+@param image CV_8UC3 of the camera's size, is drawn on
+@param camera of the image
+@param model the tool
+@param estimate what the tracker said of it
+@param name of the tool, for the text
+@param renderer see drawTools() */
+CV_EXPORTS_W void drawEstimate(InputOutputArray image, const CameraModel& camera, const Ptr<ToolModel>& model, const ToolEstimate& estimate,
+                               const String& name = String(), const Ptr<MeshRenderer>& renderer = Ptr<MeshRenderer>());
 
 /** @brief Draws one of the two polar grids of the geometric context (paper, Fig. 2d-f): rays and rings of the zones about the first
 match of the sample, the inliers' zones, which are those of the drawing in both grids, and the matches: inliers filled, others not.

@@ -8,6 +8,7 @@
 #include <map>
 #include "opencv2/surgtrack/camera.hpp"
 #include "opencv2/surgtrack/tool_model.hpp"
+#include "opencv2/surgtrack/tool_estimate.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -23,7 +24,17 @@ struct CV_EXPORTS_W_SIMPLE SequenceTool
     CV_PROP Matx44d nominal_T_base;     //!< the calibrated, wrong, hand-eye: the key camera_T_base of the file
 };
 
-/** @brief A recorded sequence: a folder with sequence.yaml, video, kinematics.csv and, where known, groundtruth.csv.
+/** @brief Where a keypoint of a tool truly is in a frame. */
+struct CV_EXPORTS_W_SIMPLE TrueKeypoint
+{
+    CV_WRAP TrueKeypoint();
+    CV_PROP String name;            //!< as in the tool file
+    CV_PROP Point2d imagePoint;     //!< in the (distorted) left image [pixel]
+    CV_PROP Point3d cameraPoint;    //!< in the left camera's frame [m]; zeros where keypoints.csv has no x, y, z
+    CV_PROP bool visible;           //!< nothing hides it
+};
+
+/** @brief A recorded sequence: a folder with sequence.yaml, video, kinematics.csv and, where known, groundtruth.csv and keypoints.csv.
 The format is described in doc/formats.md. Frame k is at time k / fps. Keys and columns that are not known are ignored. */
 class CV_EXPORTS_W Sequence
 {
@@ -89,7 +100,22 @@ public:
     /** @brief One more than the last frame with ground truth; 0 without. */
     CV_WRAP int groundTruthEnd() const;
 
+    /** @brief Path of groundtruth.csv, whether there is one or not. */
+    CV_WRAP String groundTruthFile() const { return groundTruthFile_; }
+
+    /** @brief True places of a tool's keypoints in a frame, in the order of the file.
+    @param tool index
+    @param frame number
+    @return empty if there are none of this frame, or no keypoints.csv
+    @throws cv::Exception naming file, line and what was expected; the file is read when it is first asked for */
+    CV_WRAP std::vector<TrueKeypoint> keypoints(int tool, int frame) const;
+    /** @brief Whether the folder has a keypoints.csv; it may hold no points. */
+    CV_WRAP bool hasKeypoints() const;
+    /** @brief Path of keypoints.csv, whether there is one or not. */
+    CV_WRAP String keypointsFile() const { return keypointsFile_; }
+
 private:
+    struct KeypointRecords;
     struct JointRecords { std::vector<double> times; std::vector<double> values; };   // values: row-major, a row a time
     struct Truth { Matx44d camera_T_tool; std::vector<double> joints; };
 
@@ -97,16 +123,19 @@ private:
     void readDescription(const String& folder, const String& filename, bool recorded);
     void readKinematics();
     void readGroundTruth();
+    void readKeypoints() const;
     const JointRecords& records(int tool) const;
 
-    String name_, leftVideo_, rightVideo_, kinematicsFile_, groundTruthFile_;
+    String name_, leftVideo_, rightVideo_, kinematicsFile_, groundTruthFile_, keypointsFile_;
     double fps_;
     CameraModel left_, right_;
     Matx44d right_T_left_;
     std::vector<SequenceTool> tools_;
     std::vector<String> jointNames_;
     std::vector<JointRecords> records_;                // a tool
+    bool hasGroundTruth_;
     std::vector<std::map<int, Truth> > truth_;         // a tool, by frame
+    Ptr<KeypointRecords> keypoints_;
 };
 
 /** @brief Writes a poses CSV: `frame,time,tool,status,tx,ty,tz,qx,qy,qz,qw` and further columns.
@@ -119,6 +148,16 @@ public:
     @param extraColumns names of further columns
     @throws cv::Exception naming the file if it can't be written */
     CV_WRAP static Ptr<PoseWriter> create(const String& filename, const std::vector<String>& extraColumns = std::vector<String>());
+
+    /** @brief Begins a file of estimates. Its further columns are what they say beside the pose (doc/formats.md): evidence, standard
+    deviations, and the offsets of the joints, those of the first tool.
+    @param filename is overwritten
+    @param tools names
+    @param models theirs
+    @param extraColumns names of columns after these
+    @throws cv::Exception naming the file if it can't be written */
+    CV_WRAP static Ptr<PoseWriter> create(const String& filename, const std::vector<String>& tools, const std::vector<Ptr<ToolModel> >& models,
+                                          const std::vector<String>& extraColumns = std::vector<String>());
     virtual ~PoseWriter() {}
 
     /** @brief Adds one row.
@@ -130,6 +169,17 @@ public:
     @param extra one value per further column; non-finite values are left empty
     @throws cv::Exception naming the file if the row can't be written (as on a full disk) */
     CV_WRAP virtual void write(int frame, double time, const String& tool, int state, const Matx44d& camera_T_tool,
+                               const std::vector<double>& extra = std::vector<double>()) = 0;
+
+    /** @brief Adds the row of an estimate to a file that was begun for estimates.
+    @param frame number
+    @param time [s]
+    @param tool name, one of those given to create()
+    @param estimate of this tool; values it has none of are left empty: deviations without a covariance, offsets of joints that only
+    the first tool has
+    @param extra one value per column of `extraColumns`; non-finite values are left empty
+    @throws cv::Exception as above */
+    CV_WRAP virtual void write(int frame, double time, const String& tool, const ToolEstimate& estimate,
                                const std::vector<double>& extra = std::vector<double>()) = 0;
 };
 
@@ -143,18 +193,22 @@ struct CV_EXPORTS_W_SIMPLE PoseScore
     CV_PROP double translationStd;      //!< its standard deviation [m]
     CV_PROP double rotationMean;        //!< angle between estimated and true orientation, over the covered frames [rad]
     CV_PROP double rotationStd;         //!< its standard deviation [rad]
-    CV_PROP double accuracy;            //!< share of all frames whose end effector is at most 10 pixel off in an image 720 pixel wide (paper, Sec. 3)
+    CV_PROP double accuracy;            //!< share of all frames whose scored points are at most 10 pixel off, on average, in an image 720 pixel wide (paper, Sec. 3)
     CV_PROP double silent;              //!< share of all frames that claim to be tracking and are more than 5 mm off
 };
 
-/** @brief Compares poses with the truth, as Table 1 of the paper does. */
+/** @brief Compares poses with the truth, as Table 1 of the paper does.
+
+The scored points of a tool, for PoseScore::accuracy, move with its end effector: the end effector itself, its pivot, which is the origin
+of the last link on the way to it that a joint moves, and the two points 3 mm beside the pivot on that joint's axis. Of a needle driver
+they are the tip and the axis of the jaws. */
 class CV_EXPORTS_W PoseScorer
 {
 public:
     /** @brief A scorer without poses yet.
     @param camera of the image the reprojection error is taken in; its distortion is left out
-    @param tools number of tools */
-    CV_WRAP static Ptr<PoseScorer> create(const CameraModel& camera, int tools);
+    @param models of the tools, whose points are scored */
+    CV_WRAP static Ptr<PoseScorer> create(const CameraModel& camera, const std::vector<Ptr<ToolModel> >& models);
     virtual ~PoseScorer() {}
 
     /** @brief Takes in one frame of one tool.
@@ -167,6 +221,20 @@ public:
     /** @brief The score so far. @param tool index; -1 = all tools together */
     CV_WRAP virtual PoseScore score(int tool = -1) const = 0;
 };
+
+/** @brief What leads from an estimated pose to the true one, in the terms of ToolEstimate::covariance:
+R_true = exp(rotation) R_estimate, t_true = translation + t_estimate.
+@param camera_T_tool estimate
+@param true_camera_T_tool truth
+@return (rotation vector [rad], translation [m]), both in the camera frame */
+CV_EXPORTS_W Matx61d poseError(const Matx44d& camera_T_tool, const Matx44d& true_camera_T_tool);
+
+/** @brief Normalised error squared (NEES): e^T P^-1 e of some components, as many as its mean should be if P is right.
+@param error see poseError()
+@param covariance see ToolEstimate::covariance
+@param first, count components, by default all: 0, 3 is the rotation alone, 3, 3 the translation
+@return not a number if that block of the covariance is not positive definite, as without a covariance */
+CV_EXPORTS_W double normalizedErrorSquared(const Matx61d& error, const Matx66d& covariance, int first = 0, int count = 6);
 
 //! @}
 

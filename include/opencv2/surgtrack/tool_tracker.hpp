@@ -8,6 +8,7 @@
 #include "opencv2/surgtrack/part_finder.hpp"
 #include "opencv2/surgtrack/tool_pose_ekf.hpp"
 #include "opencv2/surgtrack/articulated_pose_ekf.hpp"
+#include "opencv2/surgtrack/tool_estimate.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -20,37 +21,6 @@ enum TrackingMethod
     METHOD_PAPER = 0,   //!< @cite ye2016realtime as published: six-state filter on the hand-eye correction
     METHOD_EPNP = 1,    //!< the paper's baseline: EPnP on the matches of each frame alone
     METHOD_FULL = 2     //!< beyond the paper: joint offsets, outlines, both eyes, pushes of the camera, and evidence from parts and outline
-};
-
-//! What an estimate is worth.
-enum TrackingState
-{
-    STATE_INITIALIZING = 0,   //!< no confirmed pose yet: that of the kinematics, or a first measurement
-    STATE_TRACKING = 1,       //!< the pose was measured in this frame
-    STATE_COASTING = 2,       //!< nothing was measured for a short while: kinematics with the last correction
-    STATE_LOST = 3            //!< the pose must not be used
-};
-
-/** @brief `initializing`, `tracking`, `coasting` or `lost`, as poses files have it. @param state see cv::surgtrack::TrackingState */
-CV_EXPORTS_W String stateName(int state);
-
-/** @brief The tracker's answer for one tool and one frame. */
-struct CV_EXPORTS_W_SIMPLE ToolEstimate
-{
-    CV_WRAP ToolEstimate();
-
-    CV_PROP int state;                   //!< see cv::surgtrack::TrackingState
-    CV_PROP Matx44d camera_T_tool;       //!< pose of the end effector in the camera frame [m]
-    CV_PROP Matx44d camera_T_nominal;    //!< the correction of the hand-eye calibration
-    CV_PROP Matx66d covariance;          //!< of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame; zero with METHOD_EPNP
-    CV_PROP std::vector<double> jointOffsets;   //!< METHOD_FULL: one per coordinate, what is added to the reading [rad or m], and 0 where ToolModel::offsetDeviations() is; else zeros
-    CV_PROP std::vector<double> joints;  //!< the joints the pose is of, one per coordinate [rad or m]: the readings plus jointOffsets, and no jaw beyond its stop
-    CV_PROP int visibleParts;            //!< parts that had a template, in the left image
-    CV_PROP int inliers;                 //!< matches in the left image that agreed on the geometric context and went into the pose; 0 if nothing was measured, or METHOD_FULL followed the outline alone
-    CV_PROP double similarity;           //!< mean similarity of the inliers, 0..1; 0 without inliers
-    CV_PROP double contourSupport;       //!< METHOD_FULL: share of the visible outline, in both eyes, whose strongest edge within 6 px is at most 1.5 px off (pixels at 720 px width), 0..1; else 0. Of the last pose that was looked at, also if it was not believed
-    CV_PROP double nis;                  //!< of the inliers, normalised innovation squared per degree of freedom; about 1 if image points are as bad as the filter takes them for, less if they are better; 0 with METHOD_EPNP and without inliers
-    CV_PROP std::vector<PartMatch> matches;   //!< the inliers
 };
 
 /** @brief How long a stage of ToolTracker::update() takes. A frame is one sample: the sum over all tools and eyes, 0 if the stage was not reached. */

@@ -489,6 +489,15 @@ class surgtrack_test(NewOpenCVTests):
         self.assertFalse(sequence.groundTruth(1, 6)[0])
         self.assertTrue(sequence.hasGroundTruth())
         self.assertEqual(sequence.groundTruthEnd(), 6)
+        self.assertEqual(sequence.groundTruthFile(), self.path('groundtruth.csv'))
+        self.assertEqual(sequence.keypointsFile(), self.path('keypoints.csv'))
+        self.assertTrue(sequence.hasKeypoints())
+        points = sequence.keypoints(1, 5)
+        self.assertEqual([p.name for p in points], list(scene.model().keypointNames()))
+        projected = scene.camera().projectPoints(np.array([p.cameraPoint for p in points])).reshape(-1, 2)
+        np.testing.assert_allclose([p.imagePoint for p in points], projected, atol=1e-4)   # nine digits in the file
+        self.assertTrue(any(p.visible for p in points) and not all(p.visible for p in points))
+        self.assertEqual(len(sequence.keypoints(1, 6)), 0)
         video = cv.VideoCapture(sequence.leftVideo())
         self.assertEqual(video.get(cv.CAP_PROP_FRAME_COUNT), 6)
 
@@ -596,8 +605,23 @@ class surgtrack_test(NewOpenCVTests):
         np.testing.assert_allclose([float(c) for c in cells[4:11]], [0.1, 0.2, 0.3, 0, 0, 0.5 ** 0.5, 0.5 ** 0.5], atol=1e-9)   # nine decimals
         self.assertEqual(len(lines), 2)
 
+    def test_pose_writer_takes_estimates(self):
+        filename = self.path('poses.csv')
+        writer = st.PoseWriter.create(filename, ['PSM1'], [self.model], ['dropped'])
+        estimate = st.ToolEstimate()
+        estimate.state, estimate.camera_T_tool, estimate.similarity = st.STATE_TRACKING, rigid([0, 0, 0], [0, 0, 0.1]), 0.75
+        estimate.jointOffsets = [0., 0., 0., 0.01, 0.02, 0.03, 0.04]
+        writer.write(7, 0.28, 'PSM1', estimate, [2.])
+        with self.assertRaises(cv.error):
+            writer.write(7, 0.28, 'PSM2', estimate, [2.])
+        with open(filename) as f:
+            header, row = [line.split(',') for line in f.read().splitlines()]
+        cells = dict(zip(header, row))
+        self.assertEqual([cells[c] for c in ('tool', 'status', 'tz', 'similarity', 'sd_rx', 'offset_jaw', 'dropped')],
+                         ['PSM1', 'tracking', '0.100000000', '0.75', '', '0.04', '2'])
+
     def test_pose_scorer(self):
-        scorer = st.PoseScorer.create(self.camera, 1)
+        scorer = st.PoseScorer.create(self.camera, [self.model])
         truth = rigid([0, 0, 0], [0, 0, 0.1])
         scorer.add(0, st.STATE_TRACKING, rigid([0, 0, 0.1], [0, 0, 0.1]), truth)
         scorer.add(0, st.STATE_LOST, truth, truth)
@@ -610,13 +634,24 @@ class surgtrack_test(NewOpenCVTests):
         self.assertAlmostEqual(score.translationStd, 0)
         self.assertAlmostEqual(score.rotationStd, 0)
 
+    def test_pose_error(self):
+        estimate, truth = rigid([0.1, 0, 0], [0, 0, 0.1]), rigid([0.1, 0, 0], [0, 0, 0.1])
+        truth[:3, :3] = rigid([0, 0.2, 0], [0, 0, 0])[:3, :3].dot(estimate[:3, :3])
+        truth[0, 3] = 0.003
+        error = st.poseError(estimate, truth)
+        np.testing.assert_allclose(error.ravel(), [0, 0.2, 0, 0.003, 0, 0], atol=1e-12)   # rounding
+        covariance = np.diag([0.01, 0.01, 0.01, 1e-6, 1e-6, 1e-6])
+        self.assertAlmostEqual(st.normalizedErrorSquared(error, covariance), 4 + 9)
+        self.assertAlmostEqual(st.normalizedErrorSquared(error, covariance, 3, 3), 9)
+        self.assertTrue(np.isnan(st.normalizedErrorSquared(error, np.zeros((6, 6)))))
+
     def test_tracker_tracks_the_scene(self):
         scene = self.scene(imageSize=(720, 576), frames=25)
         params = st.ToolTracker.Params()
         params.method = st.METHOD_PAPER
         tracker = st.ToolTracker.create(scene.camera(), params)
         self.assertEqual(tracker.addTool(scene.model(), scene.nominal_T_base(0)), 0)
-        scorer = st.PoseScorer.create(scene.camera(), 1)
+        scorer = st.PoseScorer.create(scene.camera(), [scene.model()])
         for frame in range(12):
             time = frame / 25.
             image, joints = scene.render(frame), scene.recordedJoints(0, time)
@@ -633,6 +668,11 @@ class surgtrack_test(NewOpenCVTests):
         self.assertTrue(np.isfinite(estimate.nis))
         tool = estimate.camera_T_nominal.dot(scene.nominal_T_base(0)).dot(scene.model().endEffectorPose(joints))
         np.testing.assert_allclose(estimate.camera_T_tool, tool, atol=1e-9)   # the chain of transforms
+        np.testing.assert_array_equal(estimate.joints, np.array(joints) + estimate.jointOffsets)
+        drawn = st.drawEstimate(image.copy(), scene.camera(), scene.model(), estimate, 'PSM1')
+        self.assertGreater(np.count_nonzero(drawn != image), 10000)
+        base = st.DrawnTool(scene.model(), estimate).camera_T_base
+        np.testing.assert_allclose(base, estimate.camera_T_nominal.dot(scene.nominal_T_base(0)), atol=1e-9)   # the same chain
         self.assertLess(scorer.score().translationMean, 0.004)   # the calibration is 6 mm off
         times = tracker.getTimings()
         self.assertEqual([t.name for t in times], ['render', 'image', 'match', 'verify', 'filter', 'contour', 'total'])
@@ -717,7 +757,7 @@ class surgtrack_test(NewOpenCVTests):
             if eyes == 2:
                 tracker.setRightCamera(scene.camera(right=True), scene.right_T_left())
             tracker.addTool(scene.model(), scene.nominal_T_base(0))
-            scorer = st.PoseScorer.create(scene.camera(), 1)
+            scorer = st.PoseScorer.create(scene.camera(), [scene.model()])
             for frame in range(8):
                 time = frame / 25.
                 image, joints = scene.render(frame), scene.recordedJoints(0, time)

@@ -41,12 +41,6 @@ from numpy.typing import NDArray
 ToolModel_JOINT_FIXED: int
 ToolModel_JOINT_REVOLUTE: int
 ToolModel_JOINT_PRISMATIC: int
-METHOD_PAPER: int
-"""[ye2016realtime] as published: six-state filter on the hand-eye correction"""
-METHOD_EPNP: int
-"""the paper's baseline: EPnP on the matches of each frame alone"""
-METHOD_FULL: int
-"""beyond the paper: joint offsets, outlines, both eyes, pushes of the camera, and evidence from parts and outline"""
 STATE_INITIALIZING: int
 """no confirmed pose yet: that of the kinematics, or a first measurement"""
 STATE_TRACKING: int
@@ -55,6 +49,12 @@ STATE_COASTING: int
 """nothing was measured for a short while: kinematics with the last correction"""
 STATE_LOST: int
 """the pose must not be used"""
+METHOD_PAPER: int
+"""[ye2016realtime] as published: six-state filter on the hand-eye correction"""
+METHOD_EPNP: int
+"""the paper's baseline: EPnP on the matches of each frame alone"""
+METHOD_FULL: int
+"""beyond the paper: joint offsets, outlines, both eyes, pushes of the camera, and evidence from parts and outline"""
 HAND_EYE_BOARD_ON_TOOL: int
 """the instrument holds the board, the camera stands: mount = the arm's base, holder = the tool"""
 HAND_EYE_CAMERA_ON_ARM: int
@@ -985,50 +985,30 @@ def stateName(state: int) -> str:
 class ToolEstimate:
     """The tracker's answer for one tool and one frame."""
     def __init__(self) -> None: ...
-    @property
-    def state(self) -> int:
-        """see TrackingState"""
-        ...
-    @property
-    def camera_T_tool(self) -> NDArray[np.float64]:
-        """pose of the end effector in the camera frame [m]"""
-        ...
-    @property
-    def camera_T_nominal(self) -> NDArray[np.float64]:
-        """the correction of the hand-eye calibration"""
-        ...
-    @property
-    def covariance(self) -> NDArray[np.float64]:
-        """of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame; zero with METHOD_EPNP"""
-        ...
-    @property
-    def jointOffsets(self) -> NDArray[np.float64]:
-        """METHOD_FULL: one per coordinate, what is added to the reading [rad or m], and 0 where ToolModel.offsetDeviations() is; else zeros"""
-        ...
-    @property
-    def visibleParts(self) -> int:
-        """parts that had a template, in the left image"""
-        ...
-    @property
-    def inliers(self) -> int:
-        """matches in the left image that agreed on the geometric context and went into the pose; 0 if nothing was measured, or METHOD_FULL followed the outline alone"""
-        ...
-    @property
-    def similarity(self) -> float:
-        """mean similarity of the inliers, 0..1; 0 without inliers"""
-        ...
-    @property
-    def contourSupport(self) -> float:
-        """METHOD_FULL: share of the visible outline, in both eyes, whose strongest edge within 6 px is at most 1.5 px off (pixels at 720 px width), 0..1; else 0. Of the last pose that was looked at, also if it was not believed"""
-        ...
-    @property
-    def nis(self) -> float:
-        """of the inliers, normalised innovation squared per degree of freedom; about 1 if image points are as bad as the filter takes them for, less if they are better; 0 with METHOD_EPNP and without inliers"""
-        ...
-    @property
-    def matches(self) -> Tuple[PartMatch, ...]:
-        """the inliers"""
-        ...
+    state: int
+    """see TrackingState"""
+    camera_T_tool: NDArray[np.float64]
+    """pose of the end effector in the camera frame [m]"""
+    camera_T_nominal: NDArray[np.float64]
+    """the correction of the hand-eye calibration"""
+    covariance: NDArray[np.float64]
+    """of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame; zero with METHOD_EPNP"""
+    jointOffsets: NDArray[np.float64]
+    """METHOD_FULL: one per coordinate, what is added to the reading [rad or m], and 0 where ToolModel.offsetDeviations() is; else zeros"""
+    joints: NDArray[np.float64]
+    """one per coordinate, those the pose is of: the readings with jointOffsets [rad or m]"""
+    visibleParts: int
+    """parts that had a template, in the left image"""
+    inliers: int
+    """matches in the left image that agreed on the geometric context and went into the pose; 0 if nothing was measured, or METHOD_FULL followed the outline alone"""
+    similarity: float
+    """mean similarity of the inliers, 0..1; 0 without inliers"""
+    contourSupport: float
+    """METHOD_FULL: share of the visible outline, in both eyes, whose strongest edge within 6 px is at most 1.5 px off (pixels at 720 px width), 0..1; else 0. Of the last pose that was looked at, also if it was not believed"""
+    nis: float
+    """of the inliers, normalised innovation squared per degree of freedom; about 1 if image points are as bad as the filter takes them for, less if they are better; 0 with METHOD_EPNP and without inliers"""
+    matches: Tuple[PartMatch, ...]
+    """the inliers"""
 
 class StageTime:
     """How long a stage of ToolTracker.update() takes. A frame is one sample: the sum over all tools and eyes, 0 if the stage was not reached."""
@@ -1199,6 +1179,15 @@ class DrawnTool:
         opacity: of its surface, 0..1
         """
         ...
+    @overload
+    def __init__(self, model: ToolModel, estimate: ToolEstimate, opacity: float) -> None:
+        """A tool where an estimate has it: green where that is known (tracking or coasting), else grey.
+
+        model: the tool
+        estimate: what the tracker said of it
+        opacity: of its surface, 0..1
+        """
+        ...
     model: ToolModel
     joints: NDArray[np.float64]
     """one value per coordinate [rad or m]"""
@@ -1308,6 +1297,31 @@ def drawMatches(image: NDArray[Any], matches: _Sequence[PartMatch], filled: bool
     """
     ...
 
+def drawEvidence(image: NDArray[Any], estimate: ToolEstimate, name: str, row: int = ...) -> NDArray[Any]:
+    """Draws the evidence of an estimate: its matches as dots, and a line of text in the upper left corner with the tool's name, the
+    state, the similarity and how much of the outline is where it should be; green where the pose is known (tracking or coasting), else red.
+
+    image: CV_8UC3, is drawn on
+    estimate: what the tracker said
+    name: of the tool
+    row: of the text: 0, 1, ... for several tools in one image
+    """
+    ...
+
+def drawEstimate(image: NDArray[Any], camera: CameraModel, model: ToolModel, estimate: ToolEstimate, name: str = ..., renderer: Optional[MeshRenderer] = ...) -> NDArray[Any]:
+    """Draws an estimate: the tool where it was found, if that is known (tracking or coasting), and drawEvidence().
+
+    For tools that hide each other: drawTools() of all of them, then drawEvidence() of each.
+
+    image: CV_8UC3 of the camera's size, is drawn on
+    camera: of the image
+    model: the tool
+    estimate: what the tracker said of it
+    name: of the tool, for the text
+    renderer: see drawTools()
+    """
+    ...
+
 def drawGeometricContext(image: NDArray[Any], matches: _Sequence[PartMatch], inliers: _Sequence[PartMatch], sample: _Sequence[PartMatch], predicted: bool, params: GeometricContextVerifier.Params = ...) -> NDArray[Any]:
     """Draws one of the two polar grids of the geometric context (paper, Fig. 2d-f): rays and rings of the zones about the first
     match of the sample, the inliers' zones, which are those of the drawing in both grids, and the matches: inliers filled, others not.
@@ -1387,8 +1401,28 @@ class SequenceTool:
         """the calibrated, wrong, hand-eye: the key camera_T_base of the file"""
         ...
 
+class TrueKeypoint:
+    """Where a keypoint of a tool truly is in a frame."""
+    def __init__(self) -> None: ...
+    @property
+    def name(self) -> str:
+        """as in the tool file"""
+        ...
+    @property
+    def imagePoint(self) -> Tuple[float, float]:
+        """in the (distorted) left image [pixel]"""
+        ...
+    @property
+    def cameraPoint(self) -> Tuple[float, float, float]:
+        """in the left camera's frame [m]; zeros where keypoints.csv has no x, y, z"""
+        ...
+    @property
+    def visible(self) -> bool:
+        """nothing hides it"""
+        ...
+
 class Sequence:
-    """A recorded sequence: a folder with sequence.yaml, video, kinematics.csv and, where known, groundtruth.csv.
+    """A recorded sequence: a folder with sequence.yaml, video, kinematics.csv and, where known, groundtruth.csv and keypoints.csv.
     The format is described in doc/formats.md. Frame k is at time k / fps. Keys and columns that are not known are ignored.
     """
     @staticmethod
@@ -1473,11 +1507,30 @@ class Sequence:
     def groundTruthEnd(self) -> int:
         """One more than the last frame with ground truth; 0 without."""
         ...
+    def groundTruthFile(self) -> str:
+        """Path of groundtruth.csv, whether there is one or not."""
+        ...
+    def keypoints(self, tool: int, frame: int) -> Tuple[TrueKeypoint, ...]:
+        """True places of a tool's keypoints in a frame, in the order of the file.
+
+        tool: index
+        frame: number
+        Returns: empty if there are none of this frame, or no keypoints.csv
+        Raises cv2.error naming file, line and what was expected; the file is read when it is first asked for
+        """
+        ...
+    def hasKeypoints(self) -> bool:
+        """Whether the folder has a keypoints.csv; it may hold no points."""
+        ...
+    def keypointsFile(self) -> str:
+        """Path of keypoints.csv, whether there is one or not."""
+        ...
 
 class PoseWriter:
     """Writes a poses CSV: `frame,time,tool,status,tx,ty,tz,qx,qy,qz,qw` and further columns.
     Each row is flushed, so that what was written is complete and readable whatever happens next.
     """
+    @overload
     @staticmethod
     def create(filename: str, extraColumns: _Sequence[str] = ...) -> PoseWriter:
         """Begins a file.
@@ -1487,6 +1540,20 @@ class PoseWriter:
         Raises cv2.error naming the file if it can't be written
         """
         ...
+    @overload
+    @staticmethod
+    def create(filename: str, tools: _Sequence[str], models: _Sequence[ToolModel], extraColumns: _Sequence[str] = ...) -> PoseWriter:
+        """Begins a file of estimates. Its further columns are what they say beside the pose (doc/formats.md): evidence, standard
+        deviations, and the offsets of the joints, those of the first tool.
+
+        filename: is overwritten
+        tools: names
+        models: theirs
+        extraColumns: names of columns after these
+        Raises cv2.error naming the file if it can't be written
+        """
+        ...
+    @overload
     def write(self, frame: int, time: float, tool: str, state: int, camera_T_tool: NDArray[np.float64], extra: Union[_Sequence[float], NDArray[np.float64]] = ...) -> None:
         """Adds one row.
 
@@ -1497,6 +1564,19 @@ class PoseWriter:
         camera_T_tool: rigid; a non-finite pose is an error
         extra: one value per further column; non-finite values are left empty
         Raises cv2.error naming the file if the row can't be written (as on a full disk)
+        """
+        ...
+    @overload
+    def write(self, frame: int, time: float, tool: str, estimate: ToolEstimate, extra: Union[_Sequence[float], NDArray[np.float64]] = ...) -> None:
+        """Adds the row of an estimate to a file that was begun for estimates.
+
+        frame: number
+        time: [s]
+        tool: name, one of those given to create()
+        estimate: of this tool; values it has none of are left empty: deviations without a covariance, offsets of joints that only
+        the first tool has
+        extra: one value per column of `extraColumns`; non-finite values are left empty
+        Raises cv2.error as above
         """
         ...
 
@@ -1529,7 +1609,7 @@ class PoseScore:
         ...
     @property
     def accuracy(self) -> float:
-        """share of all frames whose end effector is at most 10 pixel off in an image 720 pixel wide (paper, Sec. 3)"""
+        """share of all frames whose scored points are at most 10 pixel off, on average, in an image 720 pixel wide (paper, Sec. 3)"""
         ...
     @property
     def silent(self) -> float:
@@ -1537,13 +1617,18 @@ class PoseScore:
         ...
 
 class PoseScorer:
-    """Compares poses with the truth, as Table 1 of the paper does."""
+    """Compares poses with the truth, as Table 1 of the paper does.
+
+    The scored points of a tool, for PoseScore.accuracy, move with its end effector: the end effector itself, its pivot, which is the origin
+    of the last link on the way to it that a joint moves, and the two points 3 mm beside the pivot on that joint's axis. Of a needle driver
+    they are the tip and the axis of the jaws.
+    """
     @staticmethod
-    def create(camera: CameraModel, tools: int) -> PoseScorer:
+    def create(camera: CameraModel, models: _Sequence[ToolModel]) -> PoseScorer:
         """A scorer without poses yet.
 
         camera: of the image the reprojection error is taken in; its distortion is left out
-        tools: number of tools
+        models: of the tools, whose points are scored
         """
         ...
     def add(self, tool: int, state: int, camera_T_tool: NDArray[np.float64], true_camera_T_tool: NDArray[np.float64]) -> None:
@@ -1561,6 +1646,26 @@ class PoseScorer:
         tool: index; -1 = all tools together
         """
         ...
+
+def poseError(camera_T_tool: NDArray[np.float64], true_camera_T_tool: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What leads from an estimated pose to the true one, in the terms of ToolEstimate.covariance:
+    R_true = exp(rotation) R_estimate, t_true = translation + t_estimate.
+
+    camera_T_tool: estimate
+    true_camera_T_tool: truth
+    Returns: (rotation vector [rad], translation [m]), both in the camera frame
+    """
+    ...
+
+def normalizedErrorSquared(error: NDArray[np.float64], covariance: NDArray[np.float64], first: int = ..., count: int = ...) -> float:
+    """Normalised error squared (NEES): e^T P^-1 e of some components, as many as its mean should be if P is right.
+
+    error: see poseError()
+    covariance: see ToolEstimate.covariance
+    first, count: components, by default all: 0, 3 is the rotation alone, 3, 3 the translation
+    Returns: not a number if that block of the covariance is not positive definite, as without a covariance
+    """
+    ...
 
 class TimeOffsetParams:
     """Options of estimateTimeOffset()."""
