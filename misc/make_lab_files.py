@@ -6,13 +6,14 @@
 """Makes the files a lab would have of a synthetic sequence, in the formats of others, for samples/import.cpp.
 
 Into DIR go the dVRK's kinematics (PSM.json, DRIVER.json), keypoints as picked in the meshes of the sequence's tool (points.csv), camera_info.yaml
-of ROS, stereo.yml of OpenCV, js.csv and jaw.csv with nanoseconds of another clock, hand_eye.yaml, a URDF with a mesh (crane.urdf,
-peak.obj), a calibration as SurgPose has it (rig.ini), and labels (labels.json, keypoints_left.yaml).
+of ROS, stereo.yml of OpenCV, js.csv and jaw.csv with nanoseconds of another clock, hand_eye.yaml, a URDF of the built-in tool
+(driver.urdf, needle_driver_*.ply) and one of something else (crane.urdf, peak.obj), a calibration as SurgPose has it (rig.ini), and labels (labels.json, keypoints_left.yaml).
 """
 
 import argparse
 import csv
 import os
+import shutil
 
 import cv2
 import numpy as np
@@ -42,6 +43,27 @@ CRANE = """<?xml version="1.0"?>
   <joint name="turn" type="continuous"><parent link="base"/><child link="shaft"/><origin xyz="0 0 0.1" rpy="0 1.5708 0"/><axis xyz="0 1 0"/></joint>
 </robot>
 """
+
+ARM = """<?xml version="1.0"?>
+<robot name="driver">
+  <link name="base"/> <link name="yaw"/> <link name="pitch"/> <link name="insertion"/> <link name="wrist_yaw"/> <link name="opening"/> <link name="tool"/>
+  <link name="roll"><visual><geometry><mesh filename="package://driver/needle_driver_0.ply"/></geometry></visual></link>
+  <link name="wrist_pitch"><visual><geometry><mesh filename="package://driver/needle_driver_1.ply"/></geometry></visual></link>
+  <link name="jaw_right"><visual><geometry><mesh filename="package://driver/needle_driver_2.ply"/></geometry></visual></link>
+  <link name="jaw_left"><visual><geometry><mesh filename="package://driver/needle_driver_3.ply"/></geometry></visual></link>
+"""
+
+# Joint, parent, child, xyz, rpy, what else it has: the numbers of PSM and DRIVER.
+ARM_JOINTS = (("outer_yaw", "base", "yaw", "0 0 0", "1.5708 -1.5708 0", ""),
+              ("outer_pitch", "yaw", "pitch", "0 0 0", "-1.5708 -1.5708 0", ""),
+              ("outer_insertion", "pitch", "insertion", "0 0.4318 0", "1.5708 0 0", ""),
+              ("outer_roll", "insertion", "roll", "0 0 0.4162", "0 0 0", ""),
+              ("outer_wrist_pitch", "roll", "wrist_pitch", "0 0 0", "-1.5708 -1.5708 0", ""),
+              ("outer_wrist_yaw", "wrist_pitch", "wrist_yaw", "0.0091 0 0", "-1.5708 -1.5708 0", ""),
+              ("jaw", "wrist_yaw", "opening", "0 0 0", "0 0 0", ""),
+              ("right", "wrist_yaw", "jaw_right", "0 0 0", "0 0 0", '<mimic joint="jaw" multiplier="0.5"/>'),
+              ("left", "wrist_yaw", "jaw_left", "0 0 0", "0 0 0", '<mimic joint="jaw" multiplier="-0.5"/>'),
+              ("tip", "wrist_yaw", "tool", "0 0.0102 0", "-1.5708 1.5708 0", ""))
 
 PEAK = """v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"""
 
@@ -84,6 +106,18 @@ def write_joints(source, folder):
             jaw.write("%d,%s\n" % (stamp, r["jaw"]))
 
 
+def write_urdf(meshes, folder):
+    with open(os.path.join(folder, "driver.urdf"), "w") as urdf:
+        urdf.write(ARM)
+        for joint, parent, child, xyz, rpy, more in ARM_JOINTS:
+            kind = "fixed" if child == "tool" else "prismatic" if child == "insertion" else "revolute"
+            urdf.write('  <joint name="%s" type="%s"><parent link="%s"/><child link="%s"/><origin xyz="%s" rpy="%s"/><axis xyz="0 0 1"/>'
+                       '<limit lower="-4" upper="4" effort="1" velocity="1"/>%s</joint>\n' % (joint, kind, parent, child, xyz, rpy, more))
+        urdf.write("</robot>\n")
+    for i in range(4):
+        shutil.copy(os.path.join(meshes, "needle_driver_%d.ply" % i), folder)
+
+
 def write_points(model, folder):
     tool = cv2.FileStorage(model, cv2.FILE_STORAGE_READ)
     keypoints = tool.getNode("keypoints")
@@ -113,6 +147,7 @@ def main():
     hand_eye.write("camera_T_base", tool.getNode("camera_T_base").mat())
     hand_eye.release()
     write_joints(args.sequence, args.dir)
+    write_urdf(os.path.join(args.sequence, os.path.dirname(tool.getNode("model").string()), "meshes"), args.dir)
     write_points(os.path.join(args.sequence, tool.getNode("model").string()), args.dir)
 
 

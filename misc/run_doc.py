@@ -4,7 +4,8 @@
 # of this distribution and at http://opencv.org/license.html.
 """Runs the sh and python blocks of a Markdown page in their order, in a folder that looks like the repository after misc/demo.sh.
 
-All python blocks of a page are one program; each sh block is pasted into a new shell. An error names the line of the page."""
+All python blocks of a page are one program; each sh block is pasted into a new shell. An error names the line of the page.
+What a machine may lack stands in a sh block of its own, which can be left out."""
 
 import argparse
 import os
@@ -81,6 +82,7 @@ def main():
     parser.add_argument('--folder', default='.', help='where to run it; is made if it does not exist (default: here)')
     parser.add_argument('--build', default=os.path.join(REPOSITORY, 'build'), help='build folder (default: build/ of the repository)')
     parser.add_argument('--demo', help='folder to copy to demo/, as misc/demo.sh makes it')
+    parser.add_argument('--without', action='append', default=[], help='leave out sh blocks with this word; may be given several times')
     args = parser.parse_args()
     with open(args.page) as file:
         found = blocks(file.read())
@@ -94,6 +96,8 @@ def main():
     environment['PYTHONDONTWRITEBYTECODE'] = '1'
     names = {'__name__': '__main__'}
     for language, program in found:
+        if language == 'sh' and any(word in program for word in args.without):
+            continue
         try:
             if language == 'sh':
                 run_shell(program, page, environment)
