@@ -4,6 +4,9 @@
 
 #include "precomp.hpp"
 #include <Eigen/Dense>
+#include "opencv2/surgtrack/articulated_pose_ekf.hpp"
+#include "base/checks.hpp"
+#include "base/geometry.hpp"
 
 // x      error of the state: (omega [rad], v [m], d [rad or m])
 // P, Q   covariance of the error, of the process noise
@@ -40,14 +43,6 @@ typedef Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, maxStates> Rows2;
 typedef Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, maxStates> Rows3;
 
 const double nearest = 1e-3;   // [m]; points nearer than this are not seen
-
-Matx33d exponential(const Vec3d& omega)
-{
-    const double angle = norm(omega);
-    const Matx33d W(0, -omega[2], omega[1], omega[2], 0, -omega[0], -omega[1], omega[0], 0);
-    const double s = angle > 1e-9 ? std::sin(angle) / angle : 1, c = angle > 1e-9 ? (1 - std::cos(angle)) / (angle * angle) : 0.5;
-    return Matx33d::eye() + W * s + W * W * c;
-}
 
 void checkParams(const ArticulatedPoseEKF::Params& p)
 {

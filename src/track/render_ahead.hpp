@@ -6,6 +6,7 @@
 #define OPENCV_SURGTRACK_SRC_TRACK_RENDER_AHEAD_HPP
 
 #include "precomp.hpp"
+#include "opencv2/surgtrack/part_templates.hpp"
 
 #include <condition_variable>
 #include <exception>

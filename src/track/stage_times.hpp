@@ -6,6 +6,7 @@
 #define OPENCV_SURGTRACK_SRC_TRACK_STAGE_TIMES_HPP
 
 #include "precomp.hpp"
+#include "opencv2/surgtrack/tool_tracker.hpp"
 
 namespace cv { namespace surgtrack {
 

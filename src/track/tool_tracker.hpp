@@ -6,6 +6,11 @@
 #define OPENCV_SURGTRACK_SRC_TRACK_TOOL_TRACKER_HPP
 
 #include "precomp.hpp"
+#include "opencv2/surgtrack/contour.hpp"
+#include "opencv2/surgtrack/tool_tracker.hpp"
+#include "base/checks.hpp"
+#include "base/geometry.hpp"
+#include "model/camera.hpp"
 #include "track/render_ahead.hpp"
 #include "track/stage_times.hpp"
 

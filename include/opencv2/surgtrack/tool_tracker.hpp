@@ -10,6 +10,7 @@
 #include "opencv2/surgtrack/geometric_context.hpp"
 #include "opencv2/surgtrack/tool_pose_ekf.hpp"
 #include "opencv2/surgtrack/articulated_pose_ekf.hpp"
+#include "opencv2/surgtrack/tracking_state.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -23,18 +24,6 @@ enum TrackingMethod
     METHOD_EPNP = 1,    //!< the paper's baseline: EPnP on the matches of each frame alone
     METHOD_FULL = 2     //!< beyond the paper: joint offsets, outlines, both eyes, pushes of the camera, and evidence from parts and outline
 };
-
-//! What an estimate is worth.
-enum TrackingState
-{
-    STATE_INITIALIZING = 0,   //!< no confirmed pose yet: that of the kinematics, or a first measurement
-    STATE_TRACKING = 1,       //!< the pose was measured in this frame
-    STATE_COASTING = 2,       //!< nothing was measured for a short while: kinematics with the last correction
-    STATE_LOST = 3            //!< the pose must not be used
-};
-
-/** @brief `initializing`, `tracking`, `coasting` or `lost`, as poses files have it. @param state see cv::surgtrack::TrackingState */
-CV_EXPORTS_W String stateName(int state);
 
 /** @brief The tracker's answer for one tool and one frame. */
 struct CV_EXPORTS_W_SIMPLE ToolEstimate

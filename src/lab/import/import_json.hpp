@@ -16,7 +16,7 @@ class JsonKey
 public:
     JsonKey(const nlohmann::json& value, const String& filename, const String& path) : value_(&value), filename_(filename), path_(path) {}
 
-    CV_NORETURN void fail(const String& what) const { importError(filename_, (path_.empty() ? "" : path_ + ": ") + what); }
+    CV_NORETURN void fail(const String& what) const { importError(filename_, (path_.empty() ? "" : "key " + path_ + ": ") + what); }
 
     //! With underscores, or as old files have it, hyphens.
     bool has(const String& key) const { return find(key) != 0; }
@@ -25,7 +25,7 @@ public:
         const nlohmann::json* value = find(key);
         const String path = path_.empty() ? key : path_ + "." + key;
         if (!value)
-            importError(filename_, path + ": missing");
+            importError(filename_, "key " + path + ": missing");
         return JsonKey(*value, filename_, path);
     }
 
