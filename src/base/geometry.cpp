@@ -41,12 +41,4 @@ Vec3d rotationVector(const Matx33d& R)
     return omega;
 }
 
-double angleBetween(const Matx33d& A, const Matx33d& B)
-{
-    const Matx33d D = A.t() * B;
-    // atan2: acos of the trace loses all digits of small angles.
-    const Vec3d v(D(2, 1) - D(1, 2), D(0, 2) - D(2, 0), D(1, 0) - D(0, 1));
-    return std::atan2(norm(v), trace(D) - 1);
-}
-
 }} // namespace cv::surgtrack

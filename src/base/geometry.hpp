@@ -76,8 +76,13 @@ inline Matx33d exponential(const Vec3d& omega)
 //! Logarithm: the rotation vector of a rotation [rad].
 Vec3d rotationVector(const Matx33d& R);
 
-//! Between two orientations [rad]; has all digits of small angles too.
-double angleBetween(const Matx33d& A, const Matx33d& B);
+//! Between two orientations [rad]. By atan2: acos of the trace loses all digits of small angles.
+inline double angleBetween(const Matx33d& A, const Matx33d& B)
+{
+    const Matx33d D = A.t() * B;
+    const Vec3d v(D(2, 1) - D(1, 2), D(0, 2) - D(2, 0), D(1, 0) - D(0, 1));
+    return std::atan2(norm(v), trace(D) - 1);
+}
 
 /** The angle a transform turns by [rad], from its trace: cheap, for comparisons with bounds. Small angles are good to 1e-8 only.
 What is not a number gives pi. */

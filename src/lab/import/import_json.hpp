@@ -32,7 +32,7 @@ public:
     size_t size() const
     {
         if (!value_->is_array())
-            fail("expected a list");
+            fail("expected a sequence");
         return value_->size();
     }
     JsonKey operator[](size_t i) const { return JsonKey((*value_)[i], filename_, path_ + format("[%d]", (int)i)); }
@@ -41,7 +41,7 @@ public:
     String text() const
     {
         if (!value_->is_string())
-            fail("expected a text");
+            fail("expected a string");
         return value_->get<std::string>();
     }
     double number() const
@@ -62,7 +62,7 @@ private:
     const nlohmann::json* find(String key) const
     {
         if (!value_->is_object())
-            fail("expected an object { ... }");
+            fail("expected a map");
         nlohmann::json::const_iterator at = value_->find(key);
         if (at == value_->end())
         {
