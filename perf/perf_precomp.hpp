@@ -2,5 +2,6 @@
 #define OPENCV_SURGTRACK_PERF_PRECOMP_HPP
 #include "opencv2/ts.hpp"
 #include "opencv2/surgtrack.hpp"
+#include "opencv2/surgtrack/lab.hpp"
 namespace opencv_test { using namespace perf; }
 #endif

@@ -5,6 +5,7 @@
 // Brings files of other programs into the formats of this module.
 
 #include "opencv2/surgtrack.hpp"
+#include "opencv2/surgtrack/lab.hpp"
 #include "opencv2/core/utils/filesystem.hpp"
 #include "opencv2/videoio.hpp"
 #include "support/common.hpp"

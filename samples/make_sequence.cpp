@@ -5,6 +5,7 @@
 // Makes a synthetic sequence: a folder as track_sequence takes it, with exact truth.
 
 #include "opencv2/surgtrack.hpp"
+#include "opencv2/surgtrack/lab.hpp"
 #include "support/common.hpp"
 
 using namespace cv;

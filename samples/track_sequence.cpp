@@ -6,6 +6,7 @@
 
 #include "opencv2/videoio.hpp"
 #include "opencv2/surgtrack.hpp"
+#include "opencv2/surgtrack/lab.hpp"
 #include "support/common.hpp"
 #include "support/debug_pictures.hpp"
 #include "support/frame_reader.hpp"

@@ -288,7 +288,7 @@ TEST_F(SurgTrack_Sequence, errorsNameFileAndLineOfTheKeypoints)
 
 TEST_F(SurgTrack_Sequence, errorsNameFileAndKeyOfTheDescription)
 {
-    expectDescriptionError("fps: 25\n", "", "key fps is missing");
+    expectDescriptionError("fps: 25\n", "", "key fps: missing");
     expectDescriptionError("fps: 25", "fps: 0", "key fps");
     expectDescriptionError("fps: 25", "fps: -25", "key fps");
     expectDescriptionError("fps: 25", "fps: .Nan", "key fps");

@@ -36,10 +36,14 @@ and `camera_T_nominal`, the correction, is what is sought. METHOD_FULL seeks the
 readings plus ToolEstimate::jointOffsets. With a right camera all poses are in the frame of the left one.
 
 **Units.** Metres, radians, seconds, pixels. Pixel (0, 0) is the centre of the top-left pixel.
+
+**Headers.** `opencv2/surgtrack.hpp` is tracking. `opencv2/surgtrack/lab.hpp` is what is around it: synthetic scenes, hand-eye
+calibration, time offsets, importers, live data, the scene from outside and scores against the truth.
 */
 
 #include "opencv2/surgtrack/camera.hpp"
 #include "opencv2/surgtrack/tool_model.hpp"
+#include "opencv2/surgtrack/tool_view.hpp"
 #include "opencv2/surgtrack/mesh_renderer.hpp"
 #include "opencv2/surgtrack/part_templates.hpp"
 #include "opencv2/surgtrack/qgo.hpp"
@@ -49,15 +53,10 @@ readings plus ToolEstimate::jointOffsets. With a right camera all poses are in t
 #include "opencv2/surgtrack/tool_pose_ekf.hpp"
 #include "opencv2/surgtrack/contour.hpp"
 #include "opencv2/surgtrack/articulated_pose_ekf.hpp"
+#include "opencv2/surgtrack/tracking_state.hpp"
 #include "opencv2/surgtrack/tool_estimate.hpp"
 #include "opencv2/surgtrack/tool_tracker.hpp"
 #include "opencv2/surgtrack/draw.hpp"
-#include "opencv2/surgtrack/scene_view.hpp"
 #include "opencv2/surgtrack/sequence.hpp"
-#include "opencv2/surgtrack/time_offset.hpp"
-#include "opencv2/surgtrack/hand_eye.hpp"
-#include "opencv2/surgtrack/synthetic.hpp"
-#include "opencv2/surgtrack/import.hpp"
-#include "opencv2/surgtrack/live.hpp"
 
 #endif

@@ -263,9 +263,11 @@ def write_class(declaration, declarations, types):
 
 
 def make():
-    main = os.path.join(HEADERS, 'surgtrack.hpp')
-    with open(main) as file:
-        text = file.read()
+    texts = []
+    for name in ('surgtrack.hpp', 'surgtrack/lab.hpp'):   # tracking, and what is around it
+        with open(os.path.join(HEADERS, name)) as file:
+            texts.append(file.read())
+    text = ''.join(texts)
     overview = clean(re.sub(r'@defgroup \w+ ', '', re.search(r'/\*\*(.*?)\*/', text, re.DOTALL).group(1)))
     declarations = [d for name in re.findall(r'#include "opencv2/(surgtrack/\w+\.hpp)"', text) for d in parse(os.path.join(HEADERS, name))]
     types = Types({d.path() for d in declarations if d.kind == 'class'})

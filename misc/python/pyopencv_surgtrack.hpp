@@ -6,6 +6,7 @@
 
 #ifdef HAVE_OPENCV_SURGTRACK
 #include "opencv2/surgtrack.hpp"
+#include "opencv2/surgtrack/lab.hpp"
 
 typedef cv::surgtrack::ArticulatedPoseEKF::Params ArticulatedPoseEKF_Params;
 typedef cv::surgtrack::GeometricContextVerifier::Params GeometricContextVerifier_Params;

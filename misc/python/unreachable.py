@@ -81,8 +81,10 @@ def declarations(text, scope='', public=True):
 
 def unreachable(headers=HEADERS):
     """What Python cannot reach and should, and entries of CPP_ONLY that it can reach, as lines to read."""
-    with open(os.path.join(headers, 'surgtrack.hpp')) as file:
-        names = re.findall(r'#include "opencv2/(surgtrack/\w+\.hpp)"', file.read())
+    names = []
+    for header in ('surgtrack.hpp', 'surgtrack/lab.hpp'):   # tracking, and what is around it
+        with open(os.path.join(headers, header)) as file:
+            names += re.findall(r'#include "opencv2/(surgtrack/\w+\.hpp)"', file.read())
     found, defaults = [], []
     for name in names:
         with open(os.path.join(headers, name)) as file:

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <limits>
 #include "opencv2/surgtrack.hpp"
+#include "opencv2/surgtrack/lab.hpp"
 #include "../support/common.hpp"
 
 namespace evaluation {

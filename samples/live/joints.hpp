@@ -16,6 +16,7 @@
 #include <mutex>
 #include <thread>
 #include "opencv2/surgtrack.hpp"
+#include "opencv2/surgtrack/lab.hpp"
 #include "udp.hpp"
 
 namespace common {

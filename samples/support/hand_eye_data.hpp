@@ -10,6 +10,7 @@
 #include <map>
 #include "opencv2/imgcodecs.hpp"
 #include "opencv2/surgtrack.hpp"
+#include "opencv2/surgtrack/lab.hpp"
 #include "common.hpp"
 #include "opencv2/core/utils/filesystem.hpp"
 

@@ -4,6 +4,9 @@
 
 #include "precomp.hpp"
 #include <map>
+#include "opencv2/surgtrack/contour.hpp"
+#include "base/geometry.hpp"
+#include "render/tool_instances.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -90,7 +93,6 @@ MeshEdges findEdges(const Mesh& mesh, double creaseAngle)
     return result;
 }
 
-const double nearest = 5e-3;       // [m]; nothing nearer is looked at
 const double across = 0.8;          // so far from the edge the drawing tells what is on its sides [pixel]
 const double depthSlack = 1e-3;    // [m]
 
@@ -146,11 +148,11 @@ private:
     std::vector<Segment> segments_;
 };
 
-// Cuts a segment to z >= nearest and to the field of view.
+// Cuts a segment to z >= nearestDepth and to the field of view.
 bool clip(const Rect2d& field, Point3d& p, Point3d& q, Point3f& a, Point3f& b)
 {
     double s = 0, t = 1;   // the part that is kept
-    const double planes[5][4] = {{0, 0, 1, -nearest}, {1, 0, -field.x, 0}, {-1, 0, field.x + field.width, 0}, {0, 1, -field.y, 0},
+    const double planes[5][4] = {{0, 0, 1, -nearestDepth}, {1, 0, -field.x, 0}, {-1, 0, field.x + field.width, 0}, {0, 1, -field.y, 0},
                                  {0, -1, field.y + field.height, 0}};
     for (int i = 0; i < 5; i++)
     {
@@ -293,7 +295,7 @@ void placeContour(const CameraModel& camera, const ToolView& view, std::vector<C
             camera_T_link = view.camera_T_base * view.base_T_link[link];
         }
         const Point3d p = transform(camera_T_link, c.linkPoint);
-        if (p.z < nearest) continue;
+        if (p.z < nearestDepth) continue;
         const Point3d d = transform(camera_T_link, c.linkPoint + c.linkDirection) - p;
         Matx23d J;
         c.imagePoint = camera.project(p, &J);
@@ -313,13 +315,7 @@ std::vector<ContourPoint> ToolContour::sampleTool(const CameraModel& camera, con
     model()->forwardKinematics(joints, view.base_T_link);
     Ptr<MeshRenderer> renderer = MeshRenderer::createSoftware();
     std::vector<MeshInstance> instances;
-    for (size_t l = 0; l < model()->links().size(); l++)
-    {
-        const int mesh = model()->links()[l].mesh;
-        if (mesh < 0) continue;
-        const MeshInstance instance = {renderer->addMesh(model()->meshes()[mesh]), 1, camera_T_base * view.base_T_link[l]};
-        instances.push_back(instance);
-    }
+    addInstances(*model(), renderer->addTool(model()), camera_T_base, view.base_T_link, 1, false, instances);
     Rendering rendering;
     renderer->render(camera, Rect(Point(), camera.imageSize()), instances, rendering);
     std::vector<ContourPoint> points;

@@ -3,6 +3,8 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "opencv2/surgtrack/contour.hpp"
+#include "base/checks.hpp"
 
 namespace cv { namespace surgtrack {
 

@@ -4,6 +4,9 @@
 
 #include "precomp.hpp"
 #include "opencv2/surgtrack/part_finder.hpp"
+#include "base/checks.hpp"
+#include "base/geometry.hpp"
+#include "model/camera.hpp"
 
 namespace cv { namespace surgtrack {
 

@@ -3,8 +3,12 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-#include "render/box_window.hpp"
+#include "opencv2/surgtrack/part_templates.hpp"
+#include "base/geometry.hpp"
+#include "base/memory.hpp"
 #include "detect/qgo.hpp"
+#include "render/box_window.hpp"
+#include "render/tool_instances.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -20,15 +24,6 @@ Mat PartTemplate::getFeatures() const
         m(i, 2) = features[i].bin;
     }
     return m;
-}
-
-ToolView::ToolView() {}
-
-ToolView::ToolView(const Matx44d& _camera_T_base, const std::vector<Matx44d>& _base_T_link) : camera_T_base(_camera_T_base), base_T_link(_base_T_link) {}
-
-Mat ToolView::linkPoses() const
-{
-    return stackPoses(base_T_link);
 }
 
 PartTemplateRenderer::Params::Params()
@@ -86,7 +81,6 @@ private:
 
     Rect toolWindow(const CameraModel& camera, const Rect2d& field, int tool) const;
     void placeInstances(const std::vector<ToolView>& views, int tool, const Matx44d& moved);
-    bool isVisible(const Point& imagePoint, double z, int id, double slack) const;
     void light();
     void cut(PartTemplate& t, const Size2d& box, int id);
 
@@ -113,13 +107,7 @@ int PartTemplateRendererImpl::addTool(const Ptr<ToolModel>& model)
     tool.model = model;
     tool.firstMesh = renderer_->addTool(model);
     const std::vector<ToolModel::Keypoint>& keypoints = model->keypoints();
-    for (size_t i = 0; i < keypoints.size(); i++)
-    {
-        uchar tip = 1;
-        for (size_t j = 0; j < model->links().size(); j++)
-            if (model->links()[j].parent == keypoints[i].link) tip = 0;
-        tool.isTip.push_back(tip);
-    }
+    for (size_t i = 0; i < keypoints.size(); i++) tool.isTip.push_back(isTip(*model, keypoints[i].link));
     for (size_t i = 0; i < model->meshes().size(); i++) tool.boxes.push_back(boxAbout(model->meshes()[i]));
     tools_.push_back(tool);
     return int(tools_.size()) - 1;
@@ -142,39 +130,15 @@ void PartTemplateRendererImpl::placeInstances(const std::vector<ToolView>& views
     for (size_t t = 0; t < tools_.size(); t++)
     {
         if (views[t].base_T_link.empty()) continue;
-        const std::vector<ToolModel::Link>& links = tools_[t].model->links();
         const Matx44d camera_T_base = int(t) == tool ? moved * views[t].camera_T_base : views[t].camera_T_base;
-        for (size_t i = 0; i < links.size(); i++)
-        {
-            if (links[i].mesh < 0) continue;
-            MeshInstance instance;
-            instance.mesh = tools_[t].firstMesh + links[i].mesh;
-            instance.id = int(t) + 1;
-            instance.camera_T_mesh = camera_T_base * views[t].base_T_link[i];
-            instances_.push_back(instance);
-        }
+        addInstances(*tools_[t].model, tools_[t].firstMesh, camera_T_base, views[t].base_T_link, int(t) + 1, false, instances_);
     }
 }
 
 // Turns by angle about the ray through centre, and moves along it until the tool looks scale times as large.
 Matx44d hypothesis(const Point3d& centre, double scale, double angle)
 {
-    const double length = norm(centre);
-    const Point3d a = centre * (1 / length);
-    const double c = std::cos(angle), s = std::sin(angle), d = 1 - c;
-    const Point3d shift = centre * (1 / scale - 1);
-    return Matx44d(c + d * a.x * a.x, d * a.x * a.y - s * a.z, d * a.x * a.z + s * a.y, shift.x,
-                   d * a.x * a.y + s * a.z, c + d * a.y * a.y, d * a.y * a.z - s * a.x, shift.y,
-                   d * a.x * a.z - s * a.y, d * a.y * a.z + s * a.x, c + d * a.z * a.z, shift.z, 0, 0, 0, 1);
-}
-
-// Looks at the keypoint's pixel and its neighbours: keypoints on an outline project beside it as often as on it.
-bool PartTemplateRendererImpl::isVisible(const Point& p, double z, int id, double slack) const
-{
-    for (int y = std::max(p.y - 1, 0); y <= std::min(p.y + 1, window_.height - 1); y++)
-        for (int x = std::max(p.x - 1, 0); x <= std::min(p.x + 1, window_.width - 1); x++)
-            if (ids_.at<uchar>(y, x) == id && z <= depth_.at<float>(y, x) + slack) return true;
-    return false;
+    return rigidTransform(rotationAbout(centre * (1 / norm(centre)), angle), centre * (1 / scale - 1));
 }
 
 void PartTemplateRendererImpl::light()
@@ -272,7 +236,7 @@ void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vect
         t.part = int(i);
         t.viewPoint = transform(camera_T_base * view.base_T_link[keypoints[i].link], keypoints[i].linkPoint);
         // Far outside the field of view a lens model may fold points back into the image.
-        if (t.viewPoint.z < 1e-3 || !field.contains(Point2d(t.viewPoint.x, t.viewPoint.y) * (1 / t.viewPoint.z))) continue;
+        if (t.viewPoint.z < nearestDepth || !field.contains(Point2d(t.viewPoint.x, t.viewPoint.y) * (1 / t.viewPoint.z))) continue;
         t.imagePoint = camera.project(t.viewPoint);
         t.anchor = Point(cvRound(t.imagePoint.x), cvRound(t.imagePoint.y));
         if (!image.contains(t.anchor)) continue;
@@ -312,7 +276,8 @@ void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vect
     {
         PartTemplate& t = parts_[i];
         const double slack = own.isTip[t.part] ? params_.tipDepthSlack : params_.depthSlack;
-        if (!isVisible(t.anchor - window.tl(), t.viewPoint.z, tool + 1, slack)) continue;
+        // Its neighbours too: keypoints on an outline project beside it as often as on it.
+        if (!isVisible(depth_, ids_, t.anchor - window.tl(), 1, t.viewPoint.z, tool + 1, slack)) continue;
         cut(t, Size2d(params_.boxSize * camera.fx / t.viewPoint.z, params_.boxSize * camera.fy / t.viewPoint.z), tool + 1);
         if (int(t.features.size()) < params_.minFeatures) continue;
         if (kept == templates.size())

@@ -3,6 +3,9 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "opencv2/surgtrack/qgo.hpp"
+#include "base/checks.hpp"
+#include "base/memory.hpp"
 #include "detect/qgo.hpp"
 #include "detect/qgo.simd.hpp"
 #include "detect/qgo.simd_declarations.hpp"   // defines CV_CPU_DISPATCH_MODES_ALL
@@ -13,13 +16,6 @@
 //   bin       direction modulo 180 degrees; its bounds are those of 1/5 and 2/3, 11.31 and 33.69 degrees
 
 namespace cv { namespace surgtrack {
-
-void checkImage(const Mat& image)
-{
-    if (image.empty() || (image.type() != CV_8UC1 && image.type() != CV_8UC3))
-        CV_Error(Error::StsUnsupportedFormat, format("image must be CV_8UC1 or CV_8UC3 and not empty, is %s of %d x %d",
-                                                     typeToString(image.type()).c_str(), image.cols, image.rows));
-}
 
 Mat keptImage(std::vector<uchar>& memory, const Size& size)
 {

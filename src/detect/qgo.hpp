@@ -27,6 +27,8 @@ void spread(const Mat& src, Mat& dst, int size, std::vector<uchar>& workspace);
 //! orientationResponse() for all eight bins; bin b of a row starts at planes + b * planeSize + row * planeStep.
 void responses(const uchar* bits, size_t bitsStep, Size size, uchar* planes, size_t planeStep, size_t planeSize);
 
+const int overrun = 64;   // a row of a kernel may
+
 //! sums(y, x) = sum over i of planes[offsets[i] + y * step + x], for a window; planes hold values up to 4.
 void similarities(const uchar* planes, size_t step, const int* offsets, int features, Size window, ushort* sums);
 

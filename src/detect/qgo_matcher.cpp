@@ -3,11 +3,12 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "opencv2/surgtrack/qgo_matcher.hpp"
+#include "base/checks.hpp"
 #include "detect/qgo.hpp"
+#include "detect/whole_image_search.hpp"
 
 namespace cv { namespace surgtrack {
-
-PartMatch::PartMatch() : tool(0), part(0), similarity(0), templateIndex(0) {}
 
 QGOMatcher::Params::Params()
     : magnitudeThreshold(50), spread(5), candidates(5), suppressionRadius(6), minSimilarity(0.5), relativeSimilarity(0.7)
@@ -36,146 +37,10 @@ private:
     Mat_<ushort> map_;
 };
 
-/* Similarities of the places of an image, 4 x 4 at a time, where they are asked for. Cells and their slots are kept from
-   template to template, clear() forgets what was found. */
-class CellMap
-{
-public:
-    void setImage(const Size& image, const Mat& spread, const Rect& roi)
-    {
-        clear();
-        size_ = image;
-        spread_ = spread;
-        roi_ = roi;
-        cells_ = Size((image.width + 3) / 4, (image.height + 3) / 4);
-        if (slots_.size() < size_t(cells_.area())) slots_.resize(cells_.area(), 0);
-    }
-    void setTemplate(const PartTemplate& t)
-    {
-        clear();
-        template_ = &t;
-        features_.resize(t.features.size());
-        Point low(SHRT_MAX, SHRT_MAX), high(SHRT_MIN, SHRT_MIN);
-        for (size_t i = 0; i < features_.size(); i++)
-        {
-            const TemplateFeature& f = t.features[i];
-            low = Point(std::min(low.x, int(f.x)), std::min(low.y, int(f.y)));
-            high = Point(std::max(high.x, int(f.x)), std::max(high.y, int(f.y)));
-            features_[i].offset = int(f.y * (ptrdiff_t)spread_.step) + f.x;
-            features_[i].same = uchar(1 << f.bin);
-            features_[i].wide = uchar(1 << f.bin | 1 << ((f.bin + 1) & 7) | 1 << ((f.bin + 7) & 7));
-        }
-        reach_ = Rect(low, high + Point(4, 4));   // of a cell's 4 x 4 places
-    }
-    void clear()
-    {
-        for (size_t i = 0; i < found_.size(); i++) slots_[found_[i].cell] = 0;
-        found_.clear();
-        suppressed_.clear();
-    }
-
-    Size cells() const { return cells_; }
-    int evaluate(int cell);
-    Size size() const { return size_; }
-    int operator()(int y, int x)
-    {
-        const int cell = (y >> 2) * cells_.width + (x >> 2);
-        if (!slots_[cell]) evaluate(cell);
-        return found_[slots_[cell] - 1].sums[(y & 3) * 4 + (x & 3)];
-    }
-    bool best(int& similarity, Point& at) const;
-    void suppress(const Rect& area);
-
-private:
-    struct Found
-    {
-        int cell, best;
-        ushort sums[16];
-    };
-
-    Point place(int cell) const { return Point(cell % cells_.width * 4, cell / cells_.width * 4); }
-    void zero(Found& found, const Rect& area) const;
-    static int most(const Found& found) { return *std::max_element(found.sums, found.sums + 16); }
-
-    Size size_, cells_;
-    Mat spread_;
-    Rect roi_, reach_;
-    const PartTemplate* template_;
-    std::vector<CellFeature> features_;
-    std::vector<int> slots_;      // of each cell: 1 + its place in found_, or 0
-    std::vector<Found> found_;
-    std::vector<Rect> suppressed_;
-};
-
-void CellMap::zero(Found& found, const Rect& area) const
-{
-    const Point tl = place(found.cell);
-    const Rect common = (area - tl) & Rect(0, 0, 4, 4);
-    for (int y = common.y; y < common.y + common.height; y++)
-        for (int x = common.x; x < common.x + common.width; x++) found.sums[4 * y + x] = 0;
-    found.best = most(found);
-}
-
-// Fills a cell, and returns the best of its places.
-int CellMap::evaluate(int cell)
-{
-    if (slots_[cell]) return found_[slots_[cell] - 1].best;
-    found_.resize(found_.size() + 1);
-    Found& found = found_.back();
-    found.cell = cell;
-    slots_[cell] = int(found_.size());
-    const Point tl = place(cell);
-    const Rect reach = reach_ + tl;
-    if ((reach & roi_) == reach && tl.x + 4 <= size_.width && tl.y + 4 <= size_.height)
-        cellSimilarities(spread_.ptr(tl.y - roi_.y) + tl.x - roi_.x, spread_.step, &features_[0], int(features_.size()), found.sums);
-    else
-    {
-        std::fill(found.sums, found.sums + 16, ushort(0));
-        for (size_t i = 0; i < features_.size(); i++)
-        {
-            const TemplateFeature& f = template_->features[i];
-            const Rect seen = (Rect(tl, Size(4, 4)) & Rect(Point(), size_)) & (roi_ - Point(f.x, f.y));
-            for (int y = seen.y; y < seen.y + seen.height; y++)
-                for (int x = seen.x; x < seen.x + seen.width; x++)
-                {
-                    const int bits = spread_.at<uchar>(y + f.y - roi_.y, x + f.x - roi_.x);
-                    ushort& sum = found.sums[4 * (y - tl.y) + x - tl.x];
-                    sum = ushort(sum + (bits & features_[i].same ? 4 : bits & features_[i].wide ? 1 : 0));
-                }
-        }
-    }
-    found.best = most(found);
-    for (size_t i = 0; i < suppressed_.size(); i++) zero(found, suppressed_[i]);
-    return found.best;
-}
-
-// The best place, of equal ones the first, row by row.
-bool CellMap::best(int& similarity, Point& at) const
-{
-    similarity = 0;
-    for (size_t i = 0; i < found_.size(); i++)
-    {
-        const Found& found = found_[i];
-        if (found.best == 0 || found.best < similarity) continue;
-        const int k = int(std::find(found.sums, found.sums + 16, found.best) - found.sums);
-        const Point p = place(found.cell) + Point(k & 3, k >> 2);
-        if (found.best > similarity || p.y < at.y || (p.y == at.y && p.x < at.x)) at = p;
-        similarity = found.best;
-    }
-    return similarity > 0;
-}
-
-void CellMap::suppress(const Rect& area)
-{
-    suppressed_.push_back(area);
-    for (size_t i = 0; i < found_.size(); i++)
-        if (!(Rect(place(found_[i].cell), Size(4, 4)) & area).empty()) zero(found_[i], area);
-}
-
 class QGOMatcherImpl CV_FINAL : public QGOMatcher
 {
 public:
-    explicit QGOMatcherImpl(const Params& params) : params_(params), step_(0), planeSize_(0), coarseReady_(false), coarseMargin_(0), coarseStep_(0), coarsePlaneSize_(0)
+    explicit QGOMatcherImpl(const Params& params) : params_(params), step_(0), planeSize_(0)
     {
         CV_Check(params.spread, params.spread > 0 && params.spread % 2 == 1, "Params::spread must be odd and positive");
         CV_CheckGT(params.candidates, 0, "Params::candidates must be positive");
@@ -188,9 +53,7 @@ public:
 
 private:
     void prepareResponses(const Rect& needed);
-    void prepareCoarse(const std::vector<PartTemplate>& templates);
     void similarity(const PartTemplate& t, const Rect& window);
-    void search(const PartTemplate& t);
     template <typename Map> void selectCandidates(Map& map, const PartTemplate& t, int templateIndex, const Rect& window);
 
     Params params_;
@@ -205,35 +68,11 @@ private:
     std::vector<uchar> planes_;
     std::vector<int> offsets_;
     std::vector<ushort> similarity_;
-    // For the whole image: upper bounds of 4 x 4 places each, with a margin of empty cells; see coarseResponses().
-    bool coarseReady_;
-    int coarseMargin_;
-    size_t coarseStep_, coarsePlaneSize_;
-    std::vector<uchar> coarse_;
-    std::vector<int> cellIndices_;
-    std::vector<uint64> queue_;
-    CellMap cellMap_;
+    WholeImageSearch wholeImage_;
     // Of all templates, in the order found, and by falling similarity.
     std::vector<PartMatch> found_;
     std::vector<std::pair<double, int> > order_;
 };
-
-const int overrun = 64;   // a row of a kernel may
-
-// Offsets of a template's features from its keypoint.
-Rect reachOf(const PartTemplate& t)
-{
-    int left = 0, right = 0, top = 0, bottom = 0;
-    for (size_t i = 0; i < t.features.size(); i++)
-    {
-        const TemplateFeature& f = t.features[i];
-        left = std::min(left, int(f.x));
-        right = std::max(right, int(f.x));
-        top = std::min(top, int(f.y));
-        bottom = std::max(bottom, int(f.y));
-    }
-    return Rect(left, top, right - left, bottom - top);
-}
 
 Rect reachIn(const PartTemplate& t, const Rect& window)
 {
@@ -249,7 +88,7 @@ void QGOMatcherImpl::setImage(InputArray _image, const Rect& roi)
     imageSize_ = image.size();
     roi_ = roi.empty() ? all : roi & all;
     covered_ = Rect();
-    coarseReady_ = false;
+    wholeImage_.forget();
     if (roi_.empty()) return;
     orientations_ = keptImage(orientationMemory_, roi_.size());
     spread_ = keptImage(spreadMemory_, roi_.size());
@@ -327,80 +166,6 @@ void QGOMatcherImpl::similarityMap(const PartTemplate& t, const Rect& window, Ou
     Mat(window.size(), CV_16UC1, &similarity_[0]).copyTo(result);
 }
 
-// Coarse responses with a margin that the templates fit into.
-void QGOMatcherImpl::prepareCoarse(const std::vector<PartTemplate>& templates)
-{
-    int reach = 0;
-    for (size_t i = 0; i < templates.size(); i++)
-    {
-        const Rect r = reachOf(templates[i]);
-        reach = std::max(std::max(reach, std::max(-r.x, -r.y)), std::max(r.x + r.width, r.y + r.height));
-    }
-    // A feature further away than the image is wide and high never lies in it, wherever the keypoint does.
-    const int margin = std::min(reach, std::max(imageSize_.width, imageSize_.height)) / 4 + 3;
-    const Size cells((imageSize_.width + 3) / 4, (imageSize_.height + 3) / 4);
-    const size_t step = cells.width + 2 * margin, planeSize = step * (cells.height + 2 * margin) + overrun;
-    if (coarseReady_ && margin <= coarseMargin_) return;
-    coarseReady_ = true;
-    if (margin > coarseMargin_ || coarseStep_ != cells.width + 2 * size_t(coarseMargin_) || coarsePlaneSize_ != coarseStep_ * (cells.height + 2 * coarseMargin_) + overrun)
-    {
-        coarseMargin_ = margin;
-        coarseStep_ = step;
-        coarsePlaneSize_ = planeSize;
-        CV_CheckLT(8 * planeSize, size_t(INT_MAX), "the image is too large, windows are needed");
-        coarse_.assign(8 * planeSize + overrun, 0);
-        cellIndices_.resize(cells.area());
-        similarity_.resize(std::max(similarity_.size(), size_t(cells.area())));
-    }
-    cellMap_.setImage(imageSize_, spread_, roi_);
-    if (!roi_.empty())
-        coarseResponses(spread_, roi_.tl(), cells, &coarse_[0] + (coarseMargin_ - 2) * (coarseStep_ + 1), coarseStep_, coarsePlaneSize_, workspace_);
-    else std::fill(coarse_.begin(), coarse_.end(), uchar(0));
-}
-
-/* Fills the cells of the whole image that can hold a candidate, the most promising first. A cell's coarse similarity bounds
-   that of its places, so the best place of the image is in a filled cell as soon as it beats the bounds of all others. */
-void QGOMatcherImpl::search(const PartTemplate& t)
-{
-    const int enough = 8 * params_.candidates, most = 8192;   // cells, for the further candidates and for the best
-    const Size cells = cellMap_.cells();
-    cellMap_.setTemplate(t);
-    offsets_.clear();
-    for (size_t i = 0; i < t.features.size(); i++)
-    {
-        const TemplateFeature& f = t.features[i];
-        if (std::abs(int(f.x)) >= 4 * coarseMargin_ - 4 || std::abs(int(f.y)) >= 4 * coarseMargin_ - 4) continue;
-        offsets_.push_back(int(f.bin * coarsePlaneSize_ + (f.y >> 2) * (ptrdiff_t)coarseStep_) + (f.x >> 2));   // rounded down
-    }
-    if (offsets_.empty()) return;
-    similarity_.resize(std::max(similarity_.size(), size_t(cells.area())));
-    similarities(&coarse_[0] + coarseMargin_ * (coarseStep_ + 1), coarseStep_, &offsets_[0], int(offsets_.size()), cells, &similarity_[0]);
-
-    const ushort* bounds = &similarity_[0];
-    double weakest = std::max(1., params_.minSimilarity * 4. * double(t.features.size()));
-    int best = 0, evaluated = 0;
-    // What the most promising cell holds makes the list of the others shorter.
-    const int greatestBound = greatest(bounds, cells.area());
-    if (greatestBound < weakest) return;
-    for (int pass = 0; pass < 2; pass++)
-    {
-        const int count = atLeast(bounds, cells.area(), pass == 0 ? greatestBound : cvCeil(weakest), &cellIndices_[0]);
-        queue_.resize(count);
-        for (int i = 0; i < count; i++) queue_[i] = uint64(bounds[cellIndices_[i]]) << 32 | (0xffffffffu - unsigned(cellIndices_[i]));
-        std::make_heap(queue_.begin(), queue_.end());
-        while (!queue_.empty() && evaluated < most)
-        {
-            const int bound = int(queue_.front() >> 32);
-            if (bound < weakest || (bound < best && evaluated >= enough)) break;
-            best = std::max(best, cellMap_.evaluate(int(0xffffffffu - unsigned(queue_.front()))));
-            weakest = std::max(weakest, params_.relativeSimilarity * best);
-            evaluated++;
-            std::pop_heap(queue_.begin(), queue_.end());
-            queue_.pop_back();
-        }
-    }
-}
-
 // The best places, each suppressing its neighbourhood.
 template <typename Map> void QGOMatcherImpl::selectCandidates(Map& map, const PartTemplate& t, int templateIndex, const Rect& window)
 {
@@ -467,7 +232,7 @@ void QGOMatcherImpl::match(const std::vector<PartTemplate>& templates, const std
         if (window == all) anyWhole = true;
         else if (!window.empty() && !templates[i].features.empty()) needed |= reachIn(templates[i], window);
     }
-    if (anyWhole) prepareCoarse(templates);
+    if (anyWhole) wholeImage_.prepare(imageSize_, spread_, roi_, templates);
     prepareResponses(needed);
     for (size_t i = 0; i < templates.size(); i++)
     {
@@ -476,8 +241,7 @@ void QGOMatcherImpl::match(const std::vector<PartTemplate>& templates, const std
         if (window.empty() || t.features.empty()) continue;
         if (window == all)
         {
-            search(t);
-            selectCandidates(cellMap_, t, int(i), all);
+            selectCandidates(wholeImage_.search(t, params_), t, int(i), all);
             continue;
         }
         similarity(t, window);

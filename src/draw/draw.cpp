@@ -3,6 +3,9 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "opencv2/surgtrack/draw.hpp"
+#include "base/geometry.hpp"
+#include "render/tool_instances.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -50,9 +53,7 @@ void drawSkeleton(InputOutputArray _image, const CameraModel& camera, const Ptr<
         const Matx44d camera_T_link = camera_T_base * base_T_link[keypoints[i].link];
         const Point3d p = transform(camera_T_link, keypoints[i].linkPoint);
         // Keypoints on leaf links are tips: the jaws are drawn as lines from their axis.
-        bool leaf = true;
-        for (size_t j = 0; j < links.size(); j++) leaf = leaf && links[j].parent != keypoints[i].link;
-        if (leaf) pen.line3d(transform(camera_T_link, Point3d()), p);
+        if (isTip(*model, keypoints[i].link)) pen.line3d(transform(camera_T_link, Point3d()), p);
         if (p.z > 0.01) circle(image, pen.at(p), 2 * thickness, color, FILLED, LINE_AA);
     }
 }

@@ -3,6 +3,8 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "opencv2/surgtrack/draw.hpp"
+#include "base/geometry.hpp"
 
 // Pictures of what the stages see: orientations, templates, similarities, matches, the geometric context, edges.
 

@@ -3,7 +3,10 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "opencv2/surgtrack/draw.hpp"
+#include "base/geometry.hpp"
 #include "render/box_window.hpp"
+#include "render/tool_instances.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -34,15 +37,11 @@ void placeTools(const CameraModel& camera, const std::vector<DrawnTool>& tools, 
         CV_Check(tool.opacity, tool.opacity >= 0 && tool.opacity <= 1, "opacity must be in 0..1");
         const int firstMesh = renderer.addTool(tool.model);
         tool.model->forwardKinematics(tool.joints, base_T_link);
-        const std::vector<ToolModel::Link>& links = tool.model->links();
+        const size_t first = instances.size();
+        addInstances(*tool.model, firstMesh, tool.camera_T_base, base_T_link, int(i) + 1, false, instances);
         BoxWindow window;
-        for (size_t l = 0; l < links.size(); l++)
-        {
-            if (links[l].mesh < 0) continue;
-            const MeshInstance instance = {firstMesh + links[l].mesh, int(i) + 1, tool.camera_T_base * base_T_link[l]};
-            instances.push_back(instance);
-            window.add(instance.camera_T_mesh, boxAbout(tool.model->meshes()[links[l].mesh]));
-        }
+        for (size_t k = first; k < instances.size(); k++)
+            window.add(instances[k].camera_T_mesh, boxAbout(tool.model->meshes()[instances[k].mesh - firstMesh]));
         windows.push_back(window.get(camera, field));
     }
 }

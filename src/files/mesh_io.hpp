@@ -17,10 +17,6 @@ Mesh readMesh(const String& filename, double scale, const Matx44d& link_T_mesh);
 //! Quadric decimation to at most maxTriangles in all, with one measure of error for all meshes. Drops the normals.
 void decimateMeshes(std::vector<Mesh>& meshes, int maxTriangles);
 
-//! Merges duplicate points, makes the triangles' sense consistent (outward where the mesh is closed), and gives every vertex
-//! one normal; vertices on creases are split.
-void computeNormals(Mesh& mesh);
-
 //! Binary PLY, in the unit of the mesh.
 void writePLY(const String& filename, const Mesh& mesh);
 

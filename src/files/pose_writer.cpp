@@ -9,6 +9,8 @@
 #include <limits>
 #include <locale>
 #include <sstream>
+#include "opencv2/surgtrack/sequence.hpp"
+#include "opencv2/surgtrack/tracking_state.hpp"
 #include "base/geometry.hpp"
 #ifdef _WIN32
 #include <io.h>

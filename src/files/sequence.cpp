@@ -5,12 +5,17 @@
 #include "precomp.hpp"
 #include <mutex>
 #include "opencv2/core/utils/filesystem.hpp"
-#include "files/csv.hpp"
+#include "opencv2/surgtrack/sequence.hpp"
 #include "base/geometry.hpp"
+#include "files/csv.hpp"
+#include "files/node_reader.hpp"
+#include "files/text_file.hpp"
 
 namespace cv { namespace surgtrack {
 
 namespace {
+
+const double farthest = 10;    // [m]; no arm reaches further, but in millimetres most do
 
 int findTool(const std::vector<SequenceTool>& tools, const CsvReader& csv, int column)
 {
@@ -19,6 +24,49 @@ int findTool(const std::vector<SequenceTool>& tools, const CsvReader& csv, int c
             return (int)i;
     csv.fail(format("tool '%s' is none of the tools of sequence.yaml", csv.text(column)));
 }
+
+CameraModel readCamera(const NodeReader& node, Size imageSize)
+{
+    const NodeReader matrix = node["camera_matrix"], coefficients = node["distortion_coefficients"];
+    const Mat K = matrix.matrix("a 3x3 matrix");
+    if (K.rows != 3 || K.cols != 3)
+        matrix.expected("a 3x3 matrix");
+    const char* expected = "a matrix of 0, 4, 5, 8 or 12 numbers";
+    const Mat distortion = coefficients.matrix(expected);
+    const size_t n = distortion.total();
+    if ((n != 0 && n != 4 && n != 5 && n != 8 && n != 12) || (n != 0 && distortion.rows != 1 && distortion.cols != 1))
+        coefficients.expected(expected);
+    try
+    {
+        return CameraModel(K, distortion, imageSize);
+    }
+    catch (const Exception& e)
+    {
+        node.fail(e.err);
+    }
+}
+
+//! The columns of a pose: translation [m], unit quaternion.
+struct PoseColumns
+{
+    explicit PoseColumns(const CsvReader& csv)
+    {
+        const char* const names[] = { "tx", "ty", "tz", "qx", "qy", "qz", "qw" };
+        for (int i = 0; i < 7; i++)
+            at[i] = csv.column(names[i]);
+    }
+    Matx44d read(const CsvReader& csv) const
+    {
+        double p[7];
+        for (int i = 0; i < 7; i++)
+            p[i] = csv.number(at[i]);
+        const Vec4d q(p + 3);
+        if (std::abs(norm(q) - 1) > 0.01)
+            csv.fail(format("qx,qy,qz,qw has length %g, expected a unit quaternion", norm(q)));
+        return rigidTransform(rotationFromQuaternion(q), Vec3d(p));
+    }
+    int at[7];
+};
 
 } // namespace
 
@@ -43,15 +91,63 @@ Ptr<Sequence> Sequence::load(const String& folder, bool recorded)
     const String filename = isFile ? folder : utils::fs::join(folder, "sequence.yaml");
     if (!utils::fs::exists(filename))
         CV_Error(Error::StsObjectNotFound, format("%s: there is no such file", filename.c_str()));
-    String parent = isFile ? utils::fs::getParent(folder) : folder;
     Ptr<Sequence> sequence(new Sequence());
-    sequence->readDescription(parent.empty() ? String(".") : parent, filename, recorded);
+    sequence->readDescription(filename, recorded);
     if (recorded)
     {
         sequence->readKinematics();
         sequence->readGroundTruth();
     }
     return sequence;
+}
+
+void Sequence::readDescription(const String& filename, bool recorded)
+{
+    const char* const video = "the path of a video";
+    const char* const table = "the path of a CSV file";
+    const FileStorage file = openStorage(filename);
+    const NodeReader root(filename, file.root());
+    const NodeReader left = root["left"], right = root["right"], kinematics = root["kinematics"], truth = root["groundtruth"];
+
+    name_ = root.has("name") ? root["name"].text() : utils::fs::canonical(besideFile(filename, "."));
+    name_ = name_.substr(name_.find_last_of("/\\") + 1);
+    fps_ = root["fps"].number();
+    if (fps_ <= 0)
+        root["fps"].expected("a number larger than 0 [frames/s]");
+    const Size size(root["image_width"].count("a whole number larger than 0 [pixel]"),
+                    root["image_height"].count("a whole number larger than 0 [pixel]"));
+    left_ = readCamera(left, size);
+    if (recorded || left.has("video"))
+        leftVideo_ = left["video"].path(video);
+    if (right.isThere())
+    {
+        right_ = readCamera(right, size);
+        if (recorded || right.has("video"))
+            rightVideo_ = right["video"].path(video);
+        right_T_left_ = root["right_T_left"].rigid();
+    }
+    kinematicsFile_ = kinematics.isThere() ? kinematics.path(table) : besideFile(filename, "kinematics.csv");
+    groundTruthFile_ = truth.isThere() ? truth.path(table) : besideFile(filename, "groundtruth.csv");
+    const NodeReader keypoints = root["keypoints"];
+    keypointsFile_ = keypoints.isThere() ? keypoints.path(table) : besideFile(filename, "keypoints.csv");
+
+    const std::vector<NodeReader> tools = root["tools"].sequence();
+    if (tools.empty())
+        root["tools"].expected("at least one tool");
+    for (size_t i = 0; i < tools.size(); i++)
+    {
+        SequenceTool tool;
+        const NodeReader name = tools[i]["name"];
+        tool.name = name.text();
+        for (size_t j = 0; j < i; j++)
+            if (tools_[j].name == tool.name)
+                name.expected("another name for each tool");
+        if (tool.name.find_first_of(",\"\r\n") != String::npos)
+            name.expected("a name without comma, quote and line break");
+        tool.model = tools[i]["model"].path("the path of a tool file");
+        tool.nominal_T_base = tools[i]["camera_T_base"].rigid();
+        tools_.push_back(tool);
+    }
 }
 
 void Sequence::readKinematics()
@@ -91,10 +187,7 @@ void Sequence::readGroundTruth()
         return;
     CsvReader csv(groundTruthFile_);
     const int frameColumn = csv.column("frame"), toolColumn = csv.column("tool");
-    const char* const names[] = { "tx", "ty", "tz", "qx", "qy", "qz", "qw" };
-    int poseColumns[7];
-    for (int i = 0; i < 7; i++)
-        poseColumns[i] = csv.column(names[i]);
+    const PoseColumns pose(csv);
     std::vector<int> jointColumns;
     for (size_t i = 0; i < jointNames_.size(); i++)
         jointColumns.push_back(csv.find(jointNames_[i]));
@@ -106,16 +199,9 @@ void Sequence::readGroundTruth()
         const int frame = csv.count(frameColumn);
         if (truth.count(frame))
             csv.fail(format("frame %d of tool '%s' is there twice", frame, csv.text(toolColumn)));
-        double p[7];
-        for (int i = 0; i < 7; i++)
-            p[i] = csv.number(poseColumns[i]);
-        const double length = norm(Vec4d(p + 3));
-        if (std::abs(length - 1) > 1e-2)
-            csv.fail(format("qx, qy, qz, qw have length %g, expected a unit quaternion", length));
+        const Matx44d camera_T_tool = pose.read(csv);
         Truth& t = truth[frame];
-        const Matx33d R = rotationFromQuaternion(Vec4d(p + 3));
-        t.camera_T_tool = Matx44d(R(0, 0), R(0, 1), R(0, 2), p[0], R(1, 0), R(1, 1), R(1, 2), p[1],
-                                  R(2, 0), R(2, 1), R(2, 2), p[2], 0, 0, 0, 1);
+        t.camera_T_tool = camera_T_tool;
         for (size_t i = 0; i < jointColumns.size(); i++)
             t.joints.push_back(csv.number(jointColumns[i]));
     }
@@ -229,6 +315,32 @@ std::vector<TrueKeypoint> Sequence::keypoints(int tool, int frame) const
     const std::map<int, std::vector<TrueKeypoint> >& frames = keypoints_->frames[tool];
     const std::map<int, std::vector<TrueKeypoint> >::const_iterator it = frames.find(frame);
     return it == frames.end() ? std::vector<TrueKeypoint>() : it->second;
+}
+
+bool readPoses(const String& filename, std::vector<double>& keys, OutputArray poses)
+{
+    CsvReader file(filename);
+    const bool byTime = file.find("time") >= 0;
+    if (byTime == (file.find("index") >= 0))
+        CV_Error(Error::StsParseError, filename + ", line 1: expected a column 'index' or a column 'time', one of them");
+    const int key = file.column(byTime ? "time" : "index");
+    const PoseColumns pose(file);
+    std::vector<double> found;
+    Mat_<double> rows(0, 16);
+    while (file.next())
+    {
+        const Matx44d T = pose.read(file);
+        const double distance = norm(Vec3d(T(0, 3), T(1, 3), T(2, 3)));
+        if (distance > farthest) file.fail(format("tx,ty,tz is %.4g m away, expected metres, not millimetres", distance));
+        found.push_back(byTime ? file.number(key) : file.count(key));
+        if (found.size() > 1 && found.back() <= found[found.size() - 2])
+            file.fail(format("%s is %.10g after %.10g, expected rising values", byTime ? "time" : "index", found.back(), found[found.size() - 2]));
+        rows.push_back(Mat(T).reshape(1, 1));
+    }
+    if (found.empty()) CV_Error(Error::StsParseError, filename + ": has no poses");
+    keys.swap(found);
+    rows.copyTo(poses);
+    return byTime;
 }
 
 }} // namespace cv::surgtrack

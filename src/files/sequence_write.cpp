@@ -3,13 +3,16 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <set>
+#include "opencv2/core/utils/filesystem.hpp"
+#include "opencv2/surgtrack/sequence.hpp"
+#include "base/checks.hpp"
+#include "base/geometry.hpp"
 #include "files/csv.hpp"
 #include "files/text_file.hpp"
-#include "opencv2/core/utils/filesystem.hpp"
-#include "opencv2/surgtrack/import.hpp"
-#include "files/text_table.hpp"
-
-#include <set>
 
 // Sequence folders, part by part.
 
@@ -184,6 +187,58 @@ String timeText(double time)
     return text.str();
 }
 
+//! Numbers, texts and structure are the same; keys in this order too. The node `except` is not compared.
+bool sameNodes(const FileNode& a, const FileNode& b, const String& path, const String& except)
+{
+    if (path == except) return true;
+    if (a.type() != b.type() || a.size() != b.size()) return false;
+    if (a.isInt()) return (int)a == (int)b;
+    if (a.isReal()) return (double)a == (double)b;
+    if (a.isString()) return a.string() == b.string();
+    FileNodeIterator i = a.begin(), j = b.begin();
+    for (int k = 0; k < (int)a.size(); k++, ++i, ++j)
+    {
+        const FileNode x = *i, y = *j;
+        if (a.isMap() && x.name() != y.name()) return false;
+        if (!sameNodes(x, y, path + "/" + (a.isMap() ? x.name() : format("%d", k)), except)) return false;
+    }
+    return true;
+}
+
+//! Where a token begins from `start` on, outside of comments and of texts in quotes; npos if nowhere.
+size_t findToken(const String& text, const String& token, size_t start)
+{
+    char quote = 0;
+    bool comment = false;
+    for (size_t i = 0; i < text.size(); i++)
+    {
+        const char c = text[i];
+        if (comment) comment = c != '\n';
+        else if (quote && c == '\\') i++;
+        else if (quote) quote = c == quote ? 0 : quote;
+        else if (c == '"' || c == '\'') quote = c;
+        else if (c == '#') comment = true;
+        else if (i >= start && text.compare(i, token.size(), token) == 0 && (i == 0 || !(std::isalnum((uchar)text[i - 1]) || text[i - 1] == '_')))
+            return i;
+    }
+    return String::npos;
+}
+
+//! The numbers between the brackets of the n-th `camera_T_base` are replaced.
+String replaced(const String& text, int n, const Matx44d& T)
+{
+    size_t at = 0;
+    for (int i = 0; i <= n && at != String::npos; i++) at = findToken(text, "camera_T_base", i ? at + 1 : 0);
+    const size_t data = at == String::npos ? at : findToken(text, "data", at);
+    const size_t open = data == String::npos ? data : text.find('[', data), close = open == String::npos ? open : text.find(']', open);
+    if (close == String::npos) return text;
+    std::ostringstream numbers;
+    numbers.imbue(std::locale::classic());
+    numbers.precision(17);
+    for (int i = 0; i < 16; i++) numbers << (i ? ", " : " ") << T.val[i];
+    return text.substr(0, open + 1) + numbers.str() + " " + text.substr(close);
+}
+
 } // namespace
 
 void writeSequenceCameras(const String& folder, const CameraPair& cameras, const String& leftVideo, const String& rightVideo, double fps)
@@ -263,6 +318,42 @@ void writeSequenceJoints(const String& folder, const String& name, const std::ve
         table << "\n";
     }
     table.write(filename);
+}
+
+void writeHandEye(const String& sequence, const String& tool, const Matx44d& camera_T_base)
+{
+    CV_Assert(isRigid(camera_T_base) && "camera_T_base must be rigid");
+    const String filename = utils::fs::isDirectory(sequence) ? utils::fs::join(sequence, "sequence.yaml") : sequence;
+    const String before = readTextFile(filename);
+    const FileStorage storage = parseStorage(filename, before);
+    const FileNode tools = storage["tools"];
+    int index = -1, n = 0;
+    String known;
+    for (int i = 0; tools.isSeq() && i < (int)tools.size() && index < 0; i++)
+    {
+        const FileNode node = tools[i].isMap() ? tools[i]["name"] : FileNode();
+        const String name = node.isString() ? node.string() : String();
+        known += (known.empty() ? "" : ", ") + name;
+        if (name == tool) index = i;
+        else if (tools[i].isMap() && !tools[i]["camera_T_base"].empty()) n++;
+    }
+    if (index < 0)
+        CV_Error(Error::StsObjectNotFound, format("%s: key tools has no tool '%s', expected one of: %s", filename.c_str(), tool.c_str(), known.c_str()));
+    if (!tools[index]["camera_T_base"].isMap())
+        CV_Error(Error::StsParseError, format("%s: key tools[%d].camera_T_base is missing, expected a 4x4 matrix to replace", filename.c_str(), index));
+
+    // The place is found in the text, so that comments and layout stay; the result is parsed to see that it was the right one.
+    const String after = replaced(before, n, camera_T_base);
+    const FileStorage check = parseStorage(filename, after);
+    Mat written;
+    const FileNode node = check["tools"][index]["camera_T_base"];
+    if (node.isMap()) node >> written;
+    const String key = format("/tools/%d/camera_T_base", index);
+    if (written.size() != Size(4, 4) || written.type() != CV_64F || Matx44d(written.ptr<double>()) != camera_T_base
+        || !sameNodes(storage.root(), check.root(), "", key))
+        CV_Error(Error::StsParseError, format("%s: key tools[%d].camera_T_base can't be replaced, expected a 4x4 opencv-matrix of type d with its numbers in brackets",
+                                              filename.c_str(), index));
+    writeAtOnce(filename, after);
 }
 
 }} // namespace cv::surgtrack

@@ -3,13 +3,13 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-#include "files/text_file.hpp"
-
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <regex>
-#include <sstream>
-
 #include "opencv2/core/utils/filesystem.hpp"
+#include "files/text_file.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -29,7 +29,41 @@ String readTextFile(const String& filename)
     return content.str();
 }
 
-static FileStorage parseStorage(const String& filename, const String& source, int flags, const char* expected)
+void writeText(const String& filename, const String& text)
+{
+    FILE* file = std::fopen(filename.c_str(), "wb");
+    const bool written = file && std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0;
+    const String reason = written ? "" : std::strerror(errno);
+    const bool closed = !file || std::fclose(file) == 0;
+    if (!written || !closed)
+        CV_Error(Error::StsError, format("%s: can't be written: %s", filename.c_str(), reason.c_str()));
+}
+
+void writeAtOnce(const String& filename, const String& text)
+{
+    const String beside = filename + ".new";
+    FILE* file = std::fopen(beside.c_str(), "wb");
+    bool written = file && std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0;
+    String reason = written ? "" : std::strerror(errno);
+    if (file && std::fclose(file) != 0 && written)
+    {
+        written = false;
+        reason = std::strerror(errno);
+    }
+#ifdef _WIN32
+    if (written) std::remove(filename.c_str());    // rename() does not overwrite there
+#endif
+    if (written && std::rename(beside.c_str(), filename.c_str()) != 0)
+    {
+        written = false;
+        reason = std::strerror(errno);
+    }
+    if (written) return;
+    if (file) std::remove(beside.c_str());
+    CV_Error(Error::StsError, format("%s: can't be written: %s", filename.c_str(), reason.c_str()));
+}
+
+static FileStorage openAs(const String& filename, const String& source, int flags, const char* expected)
 {
     FileStorage storage;
     String reason;
@@ -46,10 +80,17 @@ static FileStorage parseStorage(const String& filename, const String& source, in
     return storage;
 }
 
+static const char* const ofStorage = "a YAML, XML or JSON file of cv::FileStorage";
+
 FileStorage openStorage(const String& filename)
 {
     readTextFile(filename);   // for the error of a file that is not there
-    return parseStorage(filename, filename, FileStorage::READ, "a YAML, XML or JSON file of cv::FileStorage");
+    return openAs(filename, filename, FileStorage::READ, ofStorage);
+}
+
+FileStorage parseStorage(const String& filename, const String& text)
+{
+    return openAs(filename, text, FileStorage::READ | FileStorage::MEMORY, ofStorage);
 }
 
 FileStorage openYaml(const String& filename)
@@ -68,7 +109,7 @@ FileStorage openYaml(const String& filename)
         else
             text += line.substr(0, start) + std::regex_replace(line.substr(start), numberKey, "$1n$2:") + "\n";
     }
-    return parseStorage(filename, text, FileStorage::READ | FileStorage::MEMORY, "YAML");
+    return openAs(filename, text, FileStorage::READ | FileStorage::MEMORY, "YAML");
 }
 
 std::pair<String, String> splitPair(const String& text, const char* what)

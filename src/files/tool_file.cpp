@@ -3,12 +3,11 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-#include "files/mesh_io.hpp"
-
-#include <fstream>
-#include <set>
-
 #include "opencv2/core/utils/filesystem.hpp"
+#include "files/mesh_io.hpp"
+#include "files/node_reader.hpp"
+#include "files/text_file.hpp"
+#include "model/mesh.hpp"
 
 // ToolModel::load() and save(): the tool file of doc/formats.md.
 
@@ -18,100 +17,6 @@ namespace {
 
 const char* const JOINT_NAMES[] = { "fixed", "revolute", "prismatic" };
 
-/* A node of the tool file that knows where it is, for errors that say so. */
-class TracedNode
-{
-public:
-    TracedNode(const String& filename, const String& path, const FileNode& node) : filename_(filename), path_(path), node_(node) {}
-
-    CV_NORETURN void fail(const String& what, int code = Error::StsParseError) const
-    {
-        cv::error(code, filename_ + ": " + (path_.empty() ? "" : path_ + ": ") + what, CV_Func, __FILE__, __LINE__);
-    }
-
-    //! A map that holds no other keys than these, and none twice.
-    const TracedNode& map(const std::set<String>& keys) const
-    {
-        if (!node_.isMap())
-            fail("expected a map");
-        std::set<String> seen;
-        for (FileNodeIterator it = node_.begin(); it != node_.end(); ++it)
-        {
-            const String key = (*it).name();
-            if (!keys.count(key))
-            {
-                String known;
-                for (std::set<String>::const_iterator k = keys.begin(); k != keys.end(); ++k)
-                    known += (known.empty() ? "" : ", ") + *k;
-                child(key).fail("unknown key, expected one of: " + known);
-            }
-            if (!seen.insert(key).second)
-                child(key).fail("expected once, found twice");
-        }
-        return *this;
-    }
-
-    bool has(const String& key) const { return !node_[key].empty(); }
-
-    TracedNode operator[](const String& key) const
-    {
-        if (!has(key))
-            child(key).fail("missing");
-        return child(key);
-    }
-
-    std::vector<TracedNode> sequence() const
-    {
-        if (!node_.isSeq())
-            fail("expected a sequence");
-        std::vector<TracedNode> items;
-        for (FileNodeIterator it = node_.begin(); it != node_.end(); ++it)
-            items.push_back(TracedNode(filename_, path_ + format("[%d]", (int)items.size()), *it));
-        return items;
-    }
-
-    String text() const
-    {
-        if (!node_.isString() || ((String)node_).empty())
-            fail("expected a string");
-        return (String)node_;
-    }
-
-    double number() const
-    {
-        if ((!node_.isReal() && !node_.isInt()) || !(std::abs((double)node_) < DBL_MAX))
-            fail("expected a finite number");
-        return (double)node_;
-    }
-
-    Matx44d rigid() const
-    {
-        Mat m;
-        try
-        {
-            if (node_.isMap())
-                node_ >> m;
-        }
-        catch (const cv::Exception& e)
-        {
-            fail("expected a 4x4 matrix of numbers (" + e.err + ")");
-        }
-        if (m.size() != Size(4, 4) || m.channels() != 1)
-            fail(format("expected a 4x4 opencv-matrix, found %dx%d", m.rows, m.cols));
-        Matx44d T;
-        m.convertTo(T, CV_64F);
-        if (!isRigid(T))
-            fail("expected a rigid transform: finite, rotation orthonormal and right-handed, last row 0 0 0 1");
-        return T;
-    }
-
-private:
-    TracedNode child(const String& key) const { return TracedNode(filename_, path_.empty() ? key : path_ + "." + key, node_[key]); }
-
-    String filename_, path_;
-    FileNode node_;
-};
-
 int indexOf(const std::vector<String>& names, const String& name)
 {
     const std::vector<String>::const_iterator it = std::find(names.begin(), names.end(), name);
@@ -119,7 +24,7 @@ int indexOf(const std::vector<String>& names, const String& name)
 }
 
 //! Reads node.text() as a name that is not yet among the names.
-String newName(const TracedNode& node, const std::vector<String>& names)
+String newName(const NodeReader& node, const std::vector<String>& names)
 {
     const String name = node.text();
     if (indexOf(names, name) >= 0)
@@ -128,7 +33,7 @@ String newName(const TracedNode& node, const std::vector<String>& names)
 }
 
 //! Reads node.text() as one of the names. @return its index
-int knownName(const TracedNode& node, const std::vector<String>& names, const char* what)
+int knownName(const NodeReader& node, const std::vector<String>& names, const char* what)
 {
     const int index = indexOf(names, node.text());
     if (index < 0)
@@ -136,13 +41,13 @@ int knownName(const TracedNode& node, const std::vector<String>& names, const ch
     return index;
 }
 
-ToolModel::Link parseLink(const TracedNode& node, const std::vector<String>& coordinates)
+ToolModel::Link parseLink(const NodeReader& node, const std::vector<String>& coordinates)
 {
     node.map({ "name", "parent", "joint", "mdh", "mesh", "link_T_mesh" });
     ToolModel::Link link;
     link.name = node["name"].text();
 
-    const TracedNode joint = node["joint"].map({ "type", "coordinate", "scale", "offset_deviation" });
+    const NodeReader joint = node["joint"].map({ "type", "coordinate", "scale", "offset_deviation" });
     const String type = joint["type"].text();
     link.jointType = type == "fixed" ? ToolModel::JOINT_FIXED : type == "revolute" ? ToolModel::JOINT_REVOLUTE : ToolModel::JOINT_PRISMATIC;
     if (type != JOINT_NAMES[link.jointType])
@@ -160,7 +65,7 @@ ToolModel::Link parseLink(const TracedNode& node, const std::vector<String>& coo
             joint["offset_deviation"].fail("expected a number of at least 0; without the key it is the default");
     }
 
-    const TracedNode mdh = node["mdh"].map({ "alpha", "a", "theta", "d" });
+    const NodeReader mdh = node["mdh"].map({ "alpha", "a", "theta", "d" });
     link.alpha = mdh["alpha"].number();
     link.a = mdh["a"].number();
     link.theta = mdh["theta"].number();
@@ -169,13 +74,13 @@ ToolModel::Link parseLink(const TracedNode& node, const std::vector<String>& coo
 }
 
 /* The order in which every link comes after its parent; else that of the file. */
-std::vector<int> parentsFirst(const std::vector<TracedNode>& nodes, const std::vector<String>& names)
+std::vector<int> parentsFirst(const std::vector<NodeReader>& nodes, const std::vector<String>& names)
 {
     std::vector<int> order, parents;
     std::vector<bool> placed(nodes.size(), false);
     for (size_t i = 0; i < nodes.size(); ++i)
     {
-        const TracedNode parent = nodes[i]["parent"];
+        const NodeReader parent = nodes[i]["parent"];
         parents.push_back(parent.text() == "base" ? -1 : knownName(parent, names, "a link or `base`"));
     }
     while (order.size() < nodes.size())
@@ -196,26 +101,20 @@ std::vector<int> parentsFirst(const std::vector<TracedNode>& nodes, const std::v
     return order;
 }
 
-String resolvePath(const String& toolFile, const String& path)
-{
-    const bool absolute = path[0] == '/' || path[0] == '\\' || path.find(':') == 1;
-    return absolute ? path : utils::fs::join(utils::fs::getParent(toolFile), path);
-}
-
 /* Meshes of all links, decimated together. */
-void parseMeshes(const String& toolFile, const std::vector<TracedNode>& nodes, const std::vector<int>& order, double scale,
-                 int maxTriangles, ToolModel::Description& tool)
+void parseMeshes(const std::vector<NodeReader>& nodes, const std::vector<int>& order, double scale, int maxTriangles,
+                 ToolModel::Description& tool)
 {
-    std::vector<TracedNode> meshNodes;
+    std::vector<NodeReader> meshNodes;
     std::vector<String> paths;
     std::vector<Matx44d> link_T_mesh;
     for (size_t i = 0; i < order.size(); ++i)
     {
-        const TracedNode& node = nodes[order[i]];
+        const NodeReader& node = nodes[order[i]];
         if (!node.has("mesh") && !node.has("link_T_mesh"))
             continue;
         meshNodes.push_back(node["mesh"]);
-        paths.push_back(resolvePath(toolFile, node["mesh"].text()));
+        paths.push_back(node["mesh"].path());
         link_T_mesh.push_back(node.has("link_T_mesh") ? node["link_T_mesh"].rigid() : Matx44d::eye());
         tool.links[i].mesh = (int)meshNodes.size() - 1;
     }
@@ -240,9 +139,9 @@ void parseMeshes(const String& toolFile, const std::vector<TracedNode>& nodes, c
     });
 }
 
-void parseLinks(const String& filename, const TracedNode& root, int maxTriangles, ToolModel::Description& tool)
+void parseLinks(const NodeReader& root, int maxTriangles, ToolModel::Description& tool)
 {
-    const std::vector<TracedNode> nodes = root["links"].sequence();
+    const std::vector<NodeReader> nodes = root["links"].sequence();
     std::vector<ToolModel::Link> links;
     std::vector<String> names;
     for (size_t i = 0; i < nodes.size(); ++i)
@@ -261,17 +160,17 @@ void parseLinks(const String& filename, const TracedNode& root, int maxTriangles
         names.push_back(tool.links[i].name);
     }
 
-    const TracedNode endEffector = root["end_effector"].map({ "link", "link_T_end_effector" });
+    const NodeReader endEffector = root["end_effector"].map({ "link", "link_T_end_effector" });
     tool.endEffectorLink = knownName(endEffector["link"], names, "a link");
     tool.link_T_endEffector = endEffector["link_T_end_effector"].rigid();
 
-    const std::vector<TracedNode> keypoints = root["keypoints"].sequence();
+    const std::vector<NodeReader> keypoints = root["keypoints"].sequence();
     std::vector<String> keypointNames;
     for (size_t i = 0; i < keypoints.size(); ++i)
     {
         keypoints[i].map({ "name", "link", "position" });
-        const TracedNode position = keypoints[i]["position"];
-        const std::vector<TracedNode> xyz = position.sequence();
+        const NodeReader position = keypoints[i]["position"];
+        const std::vector<NodeReader> xyz = position.sequence();
         if (xyz.size() != 3)
             position.fail(format("expected three numbers, found %d", (int)xyz.size()));
         ToolModel::Keypoint keypoint;
@@ -285,7 +184,7 @@ void parseLinks(const String& filename, const TracedNode& root, int maxTriangles
     const double scale = root.has("mesh_scale") ? root["mesh_scale"].number() : 1;
     if (scale <= 0)
         root["mesh_scale"].fail("expected a positive number of metres per unit of the mesh files");
-    parseMeshes(filename, nodes, order, scale, maxTriangles, tool);
+    parseMeshes(nodes, order, scale, maxTriangles, tool);
 }
 
 } // namespace
@@ -293,30 +192,15 @@ void parseLinks(const String& filename, const TracedNode& root, int maxTriangles
 Ptr<ToolModel> ToolModel::load(const String& filename, int maxTriangles)
 {
     CV_CheckGE(maxTriangles, 0, "maxTriangles: 0 keeps all");
-    const TracedNode file(filename, String(), FileNode());
-    if (utils::fs::isDirectory(filename) || !std::ifstream(filename.c_str()))
-        file.fail("expected a tool file that can be read", Error::StsObjectNotFound);
-    FileStorage storage;
-    String error;
-    try
-    {
-        storage.open(filename, FileStorage::READ);
-    }
-    catch (const cv::Exception& e)
-    {
-        error = " (" + e.err + ")";
-    }
-    if (!storage.isOpened())
-        file.fail("expected a YAML, XML or JSON file of cv::FileStorage" + error);
-
-    const TracedNode root(filename, String(), storage.root());
+    const FileStorage storage = openStorage(filename);
+    const NodeReader root(filename, storage.root());
     root.map({ "name", "coordinates", "mesh_scale", "links", "end_effector", "keypoints" });
     Description tool;
     tool.name = root["name"].text();
-    const std::vector<TracedNode> coordinates = root["coordinates"].sequence();
+    const std::vector<NodeReader> coordinates = root["coordinates"].sequence();
     for (size_t i = 0; i < coordinates.size(); ++i)
         tool.coordinates.push_back(newName(coordinates[i], tool.coordinates));
-    parseLinks(filename, root, maxTriangles, tool);
+    parseLinks(root, maxTriangles, tool);
     return create(tool);
 }
 

@@ -3,12 +3,11 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-#if CV_VERSION_MAJOR >= 5
-#include "opencv2/geometry.hpp"
-#else
-#include "opencv2/calib3d.hpp"
-#endif
 #include <Eigen/Dense>
+#include "opencv2/surgtrack/tool_pose_ekf.hpp"
+#include "base/calib.hpp"
+#include "base/checks.hpp"
+#include "base/geometry.hpp"
 
 // x      state: (theta_x, theta_y, theta_z, r_x, r_y, r_z) of camera_T_nominal, R = Rz Ry Rx
 // P, Q   covariance of the state, of the process noise
@@ -75,8 +74,6 @@ struct Linearization
     Point3d r;
 };
 
-const double nearest = 1e-3;   // [m]; points nearer than this are not seen
-
 Vector6 checkedState(InputArray state)
 {
     const Mat x = asRows(state, 6, "state");
@@ -105,7 +102,7 @@ void projectKeypoints(const CameraModel& camera, InputArray state, InputArray no
         const Point3d& p = *points.ptr<Point3d>(i);
         Row2x6 H = Row2x6::Constant(nan);
         u(i) = Point2d(nan, nan);
-        if (at.viewPoint(p).z > nearest) u(i) = at.project(camera, p, &H);
+        if (at.viewPoint(p).z > nearestDepth) u(i) = at.project(camera, p, &H);
         if (!J.empty())
             for (int j = 0; j < 12; j++) J(2 * i + j / 6, j % 6) = H(j / 6, j % 6);
     }
@@ -113,8 +110,7 @@ void projectKeypoints(const CameraModel& camera, InputArray state, InputArray no
 
 static Matx44d correctionOf(const Vector6& x)
 {
-    const Matx33d R = eulerRotation(x.data());
-    return Matx44d(R(0, 0), R(0, 1), R(0, 2), x[3], R(1, 0), R(1, 1), R(1, 2), x[4], R(2, 0), R(2, 1), R(2, 2), x[5], 0, 0, 0, 1);
+    return rigidTransform(eulerRotation(x.data()), Vec3d(x[3], x[4], x[5]));
 }
 
 Matx44d correctionFromState(InputArray state)
@@ -154,10 +150,9 @@ bool solveEPnP(const CameraModel& camera, InputArray _nominalPoints, InputArray 
 
     Matx33d R;
     Rodrigues(rvec, R);
-    const Matx31d t = tvec;
-    const Matx44d T(R(0, 0), R(0, 1), R(0, 2), t(0), R(1, 0), R(1, 1), R(1, 2), t(1), R(2, 0), R(2, 1), R(2, 2), t(2), 0, 0, 0, 1);
+    const Matx44d T = rigidTransform(R, Vec3d(tvec.ptr<double>()));
     for (int i = 0; i < points.rows; i++)
-        if (transform(T, *points.ptr<Point3d>(i)).z < nearest) return false;
+        if (transform(T, *points.ptr<Point3d>(i)).z < nearestDepth) return false;
     camera_T_nominal = T;
     return true;
 }
@@ -238,7 +233,7 @@ bool ToolPoseEKFImpl::correct(InputArray nominalPoints, InputArray imagePoints, 
     {
         if (!flags.empty()) flags.at<uchar>(i) = 0;
         const Point3d& p = *points.ptr<Point3d>(i);
-        if (at.viewPoint(p).z < nearest) continue;
+        if (at.viewPoint(p).z < nearestDepth) continue;
         Row2x6 H;
         const Point2d difference = *image.ptr<Point2d>(i) - at.project(camera_, p, &H);
         const Eigen::Vector2d innovation(difference.x, difference.y);
@@ -267,7 +262,7 @@ bool ToolPoseEKFImpl::correct(InputArray nominalPoints, InputArray imagePoints, 
 Matx22d ToolPoseEKFImpl::imageCovariance(const Point3d& nominalPoint) const
 {
     const Linearization at(x_.data());
-    if (at.viewPoint(nominalPoint).z < nearest) return Matx22d::zeros();
+    if (at.viewPoint(nominalPoint).z < nearestDepth) return Matx22d::zeros();
     Row2x6 H;
     at.project(camera_, nominalPoint, &H);
     const Eigen::Matrix2d C = H * P_ * H.transpose();

@@ -4,14 +4,16 @@
 
 #include "precomp.hpp"
 #include <limits>
+#include "opencv2/surgtrack/pose_score.hpp"
+#include "base/geometry.hpp"
 
 namespace cv { namespace surgtrack {
 
 namespace {
 
-const double MAX_PIXELS = 10, REFERENCE_WIDTH = 720;   // paper, Sec. 3, scaled with the image
-const double SILENT_ERROR = 0.005;                     // [m]
-const double BESIDE_PIVOT = 0.003;                     // [m]
+const double MAX_PIXELS = 10;         // paper, Sec. 3, scaled with the image
+const double SILENT_ERROR = 0.005;    // [m]
+const double BESIDE_PIVOT = 0.003;    // [m]
 
 struct Sums
 {
@@ -19,14 +21,6 @@ struct Sums
     double translation, translation2, rotation, rotation2;
     Sums() : frames(0), covered(0), accurate(0), silent(0), translation(0), translation2(0), rotation(0), rotation2(0) {}
 };
-
-double rotationAngle(const Matx33d& A, const Matx33d& B)
-{
-    const Matx33d D = A.t() * B;
-    // atan2: acos of the trace loses all digits of small angles.
-    const Vec3d v(D(2, 1) - D(1, 2), D(0, 2) - D(2, 0), D(1, 0) - D(0, 1));
-    return std::atan2(norm(v), trace(D) - 1);
-}
 
 double meanOf(double sum, int n) { return n ? sum / n : 0; }
 double deviationOf(double sum, double sum2, int n)
@@ -72,16 +66,16 @@ public:
         s.frames++;
         if ((state != STATE_TRACKING && state != STATE_COASTING) || !checkRange(camera_T_tool))
             return;
-        const Matx33d R = camera_T_tool.get_minor<3, 3>(0, 0), trueR = true_camera_T_tool.get_minor<3, 3>(0, 0);
+        const Matx33d R = rotationOf(camera_T_tool), trueR = rotationOf(true_camera_T_tool);
         const Vec3d t(camera_T_tool(0, 3), camera_T_tool(1, 3), camera_T_tool(2, 3));
         const Vec3d trueT(true_camera_T_tool(0, 3), true_camera_T_tool(1, 3), true_camera_T_tool(2, 3));
-        const double translation = norm(t - trueT), rotation = rotationAngle(trueR, R);
+        const double translation = norm(t - trueT), rotation = angleBetween(trueR, R);
         s.covered++;
         s.translation += translation;
         s.translation2 += translation * translation;
         s.rotation += rotation;
         s.rotation2 += rotation * rotation;
-        s.accurate += reprojectionError(points_[tool], R, t, trueR, trueT) <= MAX_PIXELS * camera_.imageSize().width / REFERENCE_WIDTH;
+        s.accurate += reprojectionError(points_[tool], R, t, trueR, trueT) <= MAX_PIXELS * camera_.imageSize().width / referenceWidth;
         s.silent += state == STATE_TRACKING && translation > SILENT_ERROR;
     }
 
@@ -149,24 +143,6 @@ Ptr<PoseScorer> PoseScorer::create(const CameraModel& camera, const std::vector<
             CV_Error(Error::StsBadArg, format("models[%d] is empty", (int)i));
     CV_Assert(!camera.imageSize().empty() && "the camera must have an image size");
     return makePtr<PoseScorerImpl>(camera, models);
-}
-
-static Vec3d rotationVector(const Matx33d& R)
-{
-    const Vec3d v(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
-    const double s = norm(v), angle = std::atan2(s, trace(R) - 1);
-    if (s > 1e-9)
-        return v * (angle / s);
-    if (angle < 1)
-        return v * 0.5;
-    // Half a turn: R + I = 2 a a^T; its longest column is along the axis.
-    int longest = 0;
-    for (int i = 1; i < 3; i++)
-        if (R(i, i) > R(longest, longest))
-            longest = i;
-    Vec3d axis(R(0, longest), R(1, longest), R(2, longest));
-    axis[longest] += 1;
-    return axis * (angle / norm(axis));
 }
 
 Matx61d poseError(const Matx44d& camera_T_tool, const Matx44d& true_camera_T_tool)

@@ -3,57 +3,10 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "base/checks.hpp"
+#include "model/camera.hpp"
 
 namespace cv { namespace surgtrack {
-
-void checkFinite(InputArray values, const char* name)
-{
-    if (!checkRange(values)) CV_Error(Error::StsBadArg, format("%s holds a value that is not finite", name));
-}
-
-Mat asRows(InputArray values, int channels, const char* name)
-{
-    Mat m = values.getMat();
-    if (m.empty()) return Mat(0, channels, CV_64F);
-    if (m.depth() != CV_64F && m.depth() != CV_32F)
-        CV_Error(Error::StsBadArg, format("%s must be floating point, is %s", name, typeToString(m.type()).c_str()));
-    if (!m.isContinuous()) m = m.clone();
-    const bool vectorOfPoints = m.channels() == channels && (m.rows == 1 || m.cols == 1);
-    const bool rows = m.channels() == 1 && (m.cols == channels || (m.rows == channels && m.cols == 1));
-    if (m.dims != 2 || (!vectorOfPoints && !rows))
-        CV_Error(Error::StsBadSize, format("%s must be N x %d or N points of %d channels, is %d x %d with %d channels", name, channels,
-                                           channels, m.rows, m.cols, m.channels()));
-    m = m.reshape(1, int(m.total() * m.channels() / channels));
-    if (m.depth() != CV_64F) m.convertTo(m, CV_64F);
-    checkFinite(m, name);
-    return m;
-}
-
-Mat stackPoses(const std::vector<Matx44d>& poses)
-{
-    if (poses.empty()) return Mat();
-    const int sizes[] = { (int)poses.size(), 4, 4 };
-    return Mat(3, sizes, CV_64F, const_cast<Matx44d*>(poses.data())).clone();
-}
-
-bool isRigid(const Matx44d& T, double tolerance)
-{
-    if (!checkRange(T)) return false;
-    const Matx33d R = T.get_minor<3, 3>(0, 0);
-    const bool affine = T(3, 0) == 0 && T(3, 1) == 0 && T(3, 2) == 0 && T(3, 3) == 1;
-    return affine && norm(R.t() * R, Matx33d::eye(), NORM_INF) < tolerance && determinant(R) > 0;
-}
-
-Matx44d nearestRigid(const Matx44d& T)
-{
-    Matx31d w;
-    Matx33d u, vt;
-    SVD::compute(T.get_minor<3, 3>(0, 0), w, u, vt);
-    const Matx33d R = u * vt;
-    Matx44d result = T;
-    for (int i = 0; i < 9; i++) result(i / 3, i % 3) = R(i / 3, i % 3);
-    return result;
-}
 
 CameraModel::CameraModel() : fx(1), fy(1), cx(0), cy(0), size_(0, 0), distorted_(false)
 {
@@ -88,6 +41,8 @@ CameraModel::CameraModel(InputArray cameraMatrix, InputArray distCoeffs, Size im
     size_ = imageSize;
     distorted_ = std::count(k, k + 12, 0.) != 12;
 }
+
+CameraPair::CameraPair() : right_T_left(Matx44d::eye()) {}
 
 Matx33d CameraModel::cameraMatrix() const
 {

@@ -3,7 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-#include "files/mesh_io.hpp"
+#include "model/mesh.hpp"
 
 // An 8 mm wristed needle driver, drawn from its dimensions. Lengths in this file are millimetres.
 //

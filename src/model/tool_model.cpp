@@ -3,17 +3,11 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-
 #include <set>
+#include "opencv2/surgtrack/tool_model.hpp"
+#include "base/geometry.hpp"
 
 namespace cv { namespace surgtrack {
-
-Mesh::Mesh() {}
-
-Mesh::Mesh(const std::vector<Point3f>& _vertices, const std::vector<Point3f>& _normals, const std::vector<Vec3i>& _triangles)
-    : vertices(_vertices), normals(_normals), triangles(_triangles)
-{
-}
 
 ToolModel::Link::Link()
     : parent(-1), jointType(JOINT_FIXED), coordinate(-1), scale(1), alpha(0), a(0), theta(0), d(0), mesh(-1), offsetDeviation(-1)

@@ -2,6 +2,8 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
+#include "precomp.hpp"
+#include "base/geometry.hpp"
 #include "render/box_window.hpp"
 
 namespace cv { namespace surgtrack {
@@ -20,7 +22,6 @@ MeshBox boxAbout(const Mesh& mesh)
 
 void BoxWindow::add(const Matx44d& camera_T_mesh, const MeshBox& box)
 {
-    const double nearest = 5e-3;   // [m]
     Point3d corners[8];
     for (int c = 0; c < 8; c++)
         corners[c] = transform(camera_T_mesh, Point3d(c & 1 ? box.high.x : box.low.x, c & 2 ? box.high.y : box.low.y, c & 4 ? box.high.z : box.low.z));
@@ -29,9 +30,9 @@ void BoxWindow::add(const Matx44d& camera_T_mesh, const MeshBox& box)
         {
             if (c & axis) continue;
             Point3d p = corners[c], q = corners[c | axis];
-            if (p.z < nearest && q.z < nearest) continue;
-            if (p.z < nearest) p = p + (q - p) * ((nearest - p.z) / (q.z - p.z));
-            if (q.z < nearest) q = q + (p - q) * ((nearest - q.z) / (p.z - q.z));
+            if (p.z < nearestDepth && q.z < nearestDepth) continue;
+            if (p.z < nearestDepth) p = p + (q - p) * ((nearestDepth - p.z) / (q.z - p.z));
+            if (q.z < nearestDepth) q = q + (p - q) * ((nearestDepth - q.z) / (p.z - q.z));
             left_ = std::min(left_, std::min(p.x / p.z, q.x / q.z));
             right_ = std::max(right_, std::max(p.x / p.z, q.x / q.z));
             top_ = std::min(top_, std::min(p.y / p.z, q.y / q.z));

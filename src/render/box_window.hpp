@@ -5,7 +5,8 @@
 #ifndef OPENCV_SURGTRACK_SRC_RENDER_BOX_WINDOW_HPP
 #define OPENCV_SURGTRACK_SRC_RENDER_BOX_WINDOW_HPP
 
-#include "precomp.hpp"
+#include <cfloat>
+#include "opencv2/surgtrack/mesh_renderer.hpp"
 
 namespace cv { namespace surgtrack {
 

@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "base/memory.hpp"
 #include "render/mesh_raster.simd.hpp"
 #include "render/mesh_raster.simd_declarations.hpp"
 

@@ -3,6 +3,9 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "base/geometry.hpp"
+#include "render/check_rendering.hpp"
+#include "render/tool_instances.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -60,15 +63,7 @@ void MeshRenderer::renderTool(const Ptr<ToolModel>& tool, InputArray joints, con
     std::vector<Matx44d> base_T_link;
     tool->forwardKinematics(joints, base_T_link);
     std::vector<MeshInstance> instances;
-    for (size_t i = 0; i < tool->links().size(); i++)
-    {
-        if (tool->links()[i].mesh < 0) continue;
-        MeshInstance instance;
-        instance.mesh = firstMesh + tool->links()[i].mesh;
-        instance.id = std::min(int(i) + 1, 255);
-        instance.camera_T_mesh = camera_T_base * base_T_link[i];
-        instances.push_back(instance);
-    }
+    addInstances(*tool, firstMesh, camera_T_base, base_T_link, 1, true, instances);
     Rendering rendering;
     render(camera, Rect(Point(), camera.imageSize()), instances, rendering);
     rendering.depth.copyTo(depth);

@@ -3,8 +3,10 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-#include "render/mesh_raster.hpp"
 #include <deque>
+#include "opencv2/surgtrack/mesh_renderer.hpp"
+#include "render/check_rendering.hpp"
+#include "render/mesh_raster.hpp"
 
 namespace cv { namespace surgtrack { namespace {
 

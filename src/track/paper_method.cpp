@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "base/geometry.hpp"
 #include "track/paper_method.hpp"
 
 namespace cv { namespace surgtrack {

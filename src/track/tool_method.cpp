@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "base/geometry.hpp"
 #include "track/tool_method.hpp"
 
 namespace cv { namespace surgtrack {
@@ -13,11 +14,6 @@ namespace {
 const double maxCorrectionAngle = 15 * CV_PI / 180;
 const double maxCorrectionShift = 0.03;     // [m], at the tool
 const double largestReprojectionError = 8;  // [pixel at 720 px image width]
-
-double rotationAngle(const Matx44d& T)
-{
-    return std::acos(std::min(1., std::max(-1., (T(0, 0) + T(1, 1) + T(2, 2) - 1) / 2)));
-}
 
 } // namespace
 
@@ -64,13 +60,13 @@ bool ToolMethod::plausible(const CameraModel& camera, const Matx44d& correction,
 {
     Point3d centre;
     for (size_t i = 0; i < nominalPoints_.size(); i++) centre += nominalPoints_[i] * (1. / nominalPoints_.size());
-    if (rotationAngle(correction) > maxCorrectionAngle || norm(transform(correction, centre) - centre) > maxCorrectionShift) return false;
+    if (turnOf(correction) > maxCorrectionAngle || norm(transform(correction, centre) - centre) > maxCorrectionShift) return false;
     if (inliers.empty()) return true;
     double sum = 0;
     for (size_t i = 0; i < inliers.size(); i++)
     {
         const Point3d p = transform(correction, nominalPoints_[inliers[i].part]);
-        if (p.z < 1e-3) return false;
+        if (p.z < nearestDepth) return false;
         const Point2d d = camera.project(p) - inliers[i].imagePoint;
         sum += d.dot(d);
     }
@@ -110,7 +106,7 @@ void ToolMethod::expect(const PartDrawing& ahead, const CameraModel& camera, Par
     {
         const PartTemplate& t = ahead.templates[i];
         const Point3d p = transform(correction_, nominalPoints_[t.part]);
-        windows.expected[t.part] = p.z > 1e-3 ? camera.project(p) : t.imagePoint;
+        windows.expected[t.part] = p.z > nearestDepth ? camera.project(p) : t.imagePoint;
     }
 }
 

@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "base/checks.hpp"
 #include "opencv2/core/utils/logger.hpp"
 #include "track/tool_tracker.hpp"
 

@@ -3,17 +3,10 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "base/geometry.hpp"
 #include "track/view_change.hpp"
 
 namespace cv { namespace surgtrack {
-
-static double turn(const Matx44d& A, const Matx44d& B)
-{
-    double sum = 0;
-    for (int r = 0; r < 3; r++)
-        for (int c = 0; c < 3; c++) sum += A(r, c) * B(r, c);
-    return std::acos(std::min(1., std::max(-1., (sum - 1) / 2)));
-}
 
 ViewChange viewChange(const CameraModel& camera, const ToolModel& model, const ToolView& now, const ToolView& then, const Rect2d* field)
 {
@@ -24,12 +17,12 @@ ViewChange viewChange(const CameraModel& camera, const ToolModel& model, const T
     {
         const Matx44d A = now.camera_T_base * now.base_T_link[keypoints[k].link], B = then.camera_T_base * then.base_T_link[keypoints[k].link];
         const Point3d p = transform(A, keypoints[k].linkPoint), q = transform(B, keypoints[k].linkPoint);
-        if (field && (p.z < 1e-3 || !field->contains(Point2d(p.x / p.z, p.y / p.z)))) continue;
-        if (p.z < 1e-3 || q.z < 1e-3) return unknown;
+        if (field && (p.z < nearestDepth || !field->contains(Point2d(p.x / p.z, p.y / p.z)))) continue;
+        if (p.z < nearestDepth || q.z < nearestDepth) return unknown;
         const double shift = std::max(camera.fx * std::abs(p.x / p.z - q.x / q.z), camera.fy * std::abs(p.y / p.z - q.y / q.z));
         if (!(shift < DBL_MAX)) return unknown;   // nor is what is not a number
         change.shift = std::max(change.shift, shift);
-        change.turn = std::max(change.turn, turn(A, B));
+        change.turn = std::max(change.turn, turnBetween(A, B));
         change.zoom = std::max(change.zoom, std::abs(q.z / p.z - 1));
     }
     return change;

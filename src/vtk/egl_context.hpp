@@ -5,7 +5,7 @@
 #ifndef OPENCV_SURGTRACK_SRC_VTK_EGL_CONTEXT_HPP
 #define OPENCV_SURGTRACK_SRC_VTK_EGL_CONTEXT_HPP
 
-#include "precomp.hpp"
+#include "opencv2/core.hpp"
 
 // OpenGL contexts without a window. libEGL, libGLX and libX11 are opened at run time: none of them is needed to build the
 // module, or to load it.

@@ -2,6 +2,10 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
+#include "precomp.hpp"
+#include "base/geometry.hpp"
+#include "render/check_rendering.hpp"
+#include "vtk/camera_rays.hpp"
 #include "vtk/vtk_mesh.hpp"
 #include "vtk/vtk_window.hpp"
 
@@ -27,9 +31,6 @@ namespace cv { namespace surgtrack { namespace {
 
 const Matx44d gl_T_camera(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);   // OpenGL: y up, z backward
 const double nearPlane = 0.002;      // [m]; as in the software renderer
-const double oversampling = 1.5;     // of the image without distortion: its samples are then at most 1/3 pixel off
-const int maxDrawingSize = 4096;     // [pixel] of that image; every OpenGL 3.2 can
-const size_t maxCachedCameras = 4;
 
 const char* const vertexShader =
     "//VTK::System::Dec\n"
@@ -67,21 +68,6 @@ struct VTKMesh
     Point3d lo, hi;                                   // bounding box
 };
 
-/** A camera without distortion. */
-struct Pinhole
-{
-    int width, height;
-    double fx, fy, cx, cy;
-};
-
-/** The viewing rays (x / z, y / z) of all pixels of a camera with distortion. */
-struct CameraRays
-{
-    double intrinsics[16];
-    Size size;
-    Mat_<Vec2f> rays;
-};
-
 class VTKRenderer CV_FINAL : public MeshRenderer
 {
 public:
@@ -98,7 +84,6 @@ public:
 private:
     bool place(const std::vector<MeshInstance>& instances, double& nearest, double& farthest);
     void draw(const Pinhole& pinhole, double nearest, double farthest);
-    const Mat_<Vec2f>& raysOf(const CameraModel& camera);
 
     Ptr<XDisplayHolder> display_;
     vtkSmartPointer<vtkOpenGLRenderWindow> window_;
@@ -107,7 +92,7 @@ private:
     vtkSmartPointer<vtkUnsignedCharArray> colours_;
     vtkSmartPointer<vtkFloatArray> depths_;
     std::vector<VTKMesh> meshes_;
-    std::vector<CameraRays> cameras_;
+    CameraRays rays_;
 };
 
 VTKRenderer::VTKRenderer(const Drawable& drawable)
@@ -239,47 +224,6 @@ void VTKRenderer::draw(const Pinhole& pinhole, double nearest, double farthest)
         CV_Error(Error::StsError, "OpenGL failed to draw or to read back");
 }
 
-const Mat_<Vec2f>& VTKRenderer::raysOf(const CameraModel& camera)
-{
-    CameraRays wanted;
-    const double intrinsics[4] = {camera.fx, camera.fy, camera.cx, camera.cy};
-    std::copy(intrinsics, intrinsics + 4, wanted.intrinsics);
-    std::copy(camera.k, camera.k + 12, wanted.intrinsics + 4);
-    wanted.size = camera.imageSize();
-    for (size_t i = 0; i < cameras_.size(); i++)
-        if (cameras_[i].size == wanted.size && std::equal(wanted.intrinsics, wanted.intrinsics + 16, cameras_[i].intrinsics)) return cameras_[i].rays;
-
-    Mat_<Vec2d> pixels(wanted.size.area(), 1);
-    for (int i = 0; i < pixels.rows; i++) pixels(i) = Vec2d(i % wanted.size.width, i / wanted.size.width);
-    Mat rays;
-    camera.unprojectPoints(pixels, rays);
-    rays.reshape(2, wanted.size.height).convertTo(wanted.rays, CV_32F);
-    if (cameras_.size() == maxCachedCameras) cameras_.erase(cameras_.begin());
-    cameras_.push_back(wanted);
-    return cameras_.back().rays;
-}
-
-// The pinhole image that holds all rays.
-Pinhole enclose(const CameraModel& camera, const Mat_<Vec2f>& rays)
-{
-    Vec2f lo(FLT_MAX, FLT_MAX), hi = -lo;
-    for (int y = 0; y < rays.rows; y++)
-        for (int x = 0; x < rays.cols; x++)
-        {
-            const Vec2f& ray = rays(y, x);
-            lo = Vec2f(std::min(lo[0], ray[0]), std::min(lo[1], ray[1]));
-            hi = Vec2f(std::max(hi[0], ray[0]), std::max(hi[1], ray[1]));
-        }
-    Pinhole p;
-    p.fx = std::min(oversampling * camera.fx, (maxDrawingSize - 2) / std::max<double>(hi[0] - lo[0], 1e-9));
-    p.fy = std::min(oversampling * camera.fy, (maxDrawingSize - 2) / std::max<double>(hi[1] - lo[1], 1e-9));
-    p.cx = -lo[0] * p.fx;
-    p.cy = -lo[1] * p.fy;
-    p.width = cvRound((hi[0] - lo[0]) * p.fx) + 1;
-    p.height = cvRound((hi[1] - lo[1]) * p.fy) + 1;
-    return p;
-}
-
 void VTKRenderer::render(const CameraModel& camera, const Rect& window, const std::vector<MeshInstance>& instances, Rendering& rendering,
                          const std::vector<Rect>&)
 {
@@ -299,7 +243,7 @@ void VTKRenderer::render(const CameraModel& camera, const Rect& window, const st
     Pinhole pinhole = {window.width, window.height, camera.fx, camera.fy, camera.cx - window.x, camera.cy - window.y};
     if (camera.hasDistortion())
     {
-        rays = raysOf(camera)(window);
+        rays = rays_.of(camera)(window);
         pinhole = enclose(camera, rays);
     }
     {

@@ -5,7 +5,7 @@
 #ifndef OPENCV_SURGTRACK_SRC_VTK_VTK_MESH_HPP
 #define OPENCV_SURGTRACK_SRC_VTK_VTK_MESH_HPP
 
-#include "precomp.hpp"
+#include "opencv2/surgtrack/tool_model.hpp"
 
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>

@@ -69,6 +69,15 @@ private:
     bool distorted_;
 };
 
+/** @brief Cameras of an endoscope with one or two eyes. */
+struct CV_EXPORTS_W_SIMPLE CameraPair
+{
+    CV_WRAP CameraPair();
+    CV_PROP_RW CameraModel left;
+    CV_PROP_RW CameraModel right;           //!< image size 0 x 0 if there is one eye only
+    CV_PROP_RW Matx44d right_T_left;        //!< maps the left camera's frame to the right's [m]
+};
+
 //! @}
 
 }} // namespace cv::surgtrack

@@ -5,7 +5,8 @@
 #ifndef OPENCV_SURGTRACK_CONTOUR_HPP
 #define OPENCV_SURGTRACK_CONTOUR_HPP
 
-#include "opencv2/surgtrack/part_templates.hpp"
+#include "opencv2/surgtrack/mesh_renderer.hpp"
+#include "opencv2/surgtrack/tool_view.hpp"
 
 namespace cv { namespace surgtrack {
 

@@ -5,7 +5,7 @@
 #ifndef OPENCV_SURGTRACK_HAND_EYE_HPP
 #define OPENCV_SURGTRACK_HAND_EYE_HPP
 
-#include "opencv2/surgtrack/camera.hpp"
+#include "opencv2/surgtrack/sequence.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -132,22 +132,6 @@ CV_EXPORTS_W void getBoardPoints(const CalibrationBoard& board, OutputArray poin
 @return false if the board was not found; the outputs are then unchanged */
 CV_EXPORTS_W bool findBoard(InputArray image, const CameraModel& camera, const CalibrationBoard& board, CV_OUT Matx44d& camera_T_board,
                             OutputArray imagePoints, CV_OUT double& error);
-
-/** @brief Reads rigid poses from a CSV file with the columns `index` or `time`, and tx, ty, tz [m], qx, qy, qz, qw.
-@param filename the file
-@param keys values of the first of these columns, rising [s if it is `time`]
-@param poses N x 16 CV_64F: 4 x 4 matrices, row by row
-@return whether the column is `time`
-@throws cv::Exception naming file and line */
-CV_EXPORTS_W bool readPoses(const String& filename, CV_OUT std::vector<double>& keys, OutputArray poses);
-
-/** @brief Sets a tool's `camera_T_base` in a sequence.yaml. The rest of the file stays as it is, to the byte; the new file takes the
-place of the old one at once.
-@param sequence the folder, or its sequence.yaml
-@param tool name
-@param camera_T_base rigid [m]
-@throws cv::Exception naming file and key: not a description as in doc/formats.md, no such tool, can't be written */
-CV_EXPORTS_W void writeHandEye(const String& sequence, const String& tool, const Matx44d& camera_T_base);
 
 //! @}
 

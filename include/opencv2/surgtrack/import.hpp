@@ -5,8 +5,7 @@
 #ifndef OPENCV_SURGTRACK_IMPORT_HPP
 #define OPENCV_SURGTRACK_IMPORT_HPP
 
-#include "opencv2/surgtrack/camera.hpp"
-#include "opencv2/surgtrack/tool_model.hpp"
+#include "opencv2/surgtrack/sequence.hpp"
 
 // Files of other programs -> tools, cameras, joint readings and labels of this module, and sequence folders made of them.
 // Whatever is wrong in a file is a cv::Exception that names the file, the key or the line, and what was expected.
@@ -70,15 +69,6 @@ Rotations by quarter turns about the axes whose angles were rounded (1.5708, 1.5
 @param parts ToolParts::packages for `package://` names; keypoints and end effector
 @throws cv::Exception (StsNotImplemented) if the module was built without urdfdom */
 CV_EXPORTS_W Ptr<ToolModel> importUrdfTool(const String& filename, const ToolParts& parts = ToolParts());
-
-/** @brief Cameras of an endoscope with one or two eyes. */
-struct CV_EXPORTS_W_SIMPLE CameraPair
-{
-    CV_WRAP CameraPair();
-    CV_PROP_RW CameraModel left;
-    CV_PROP_RW CameraModel right;           //!< image size 0 x 0 if there is one eye only
-    CV_PROP_RW Matx44d right_T_left;        //!< maps the left camera's frame to the right's [m]
-};
 
 /** @brief Cameras from ROS calibration files (`camera_info` YAML, as camera_calibration writes them).
 @param files the left camera's, or left and right of a stereo pair (its baseline is in the `projection_matrix`, in metres)
@@ -149,31 +139,6 @@ CV_EXPORTS_W int importEndoVisKeypoints(const String& labels, const String& csv,
 @return number of points */
 CV_EXPORTS_W int importSurgPoseKeypoints(const String& labels, const String& csv, const std::vector<String>& keypoints = std::vector<String>(),
                                          const std::vector<String>& tools = std::vector<String>());
-
-/** @brief Puts cameras into a folder's sequence.yaml, which is made if it does not exist; all else in it is kept, but for comments.
-@param folder of the sequence; is made if it does not exist
-@param cameras one eye or two
-@param leftVideo path for the key `left.video`; empty: that stays as it is, or `left.mp4`
-@param rightVideo the same of the right eye
-@param fps frames per second; 0: stays as it is, or is missing */
-CV_EXPORTS_W void writeSequenceCameras(const String& folder, const CameraPair& cameras, const String& leftVideo = String(),
-                                       const String& rightVideo = String(), double fps = 0);
-
-/** @brief Puts a tool into a folder's sequence.yaml, in the place of the one of this name, or at the end.
-@param folder of the sequence; is made if it does not exist
-@param name as in the CSV files
-@param model path of the tool file, for the key `model`; empty: stays as it is
-@param nominal_T_base the hand-eye calibration, key `camera_T_base` */
-CV_EXPORTS_W void writeSequenceTool(const String& folder, const String& name, const String& model, const Matx44d& nominal_T_base);
-
-/** @brief Puts a tool's joint readings into a folder's kinematics.csv, in the place of those of this name.
-@param folder of the sequence; is made if it does not exist
-@param name of the tool
-@param coordinates names of the columns; other tools in the file must have the same
-@param times rising, on the clock on which frame k is at k / fps [s]
-@param joints N x C CV_64F, a row a time [rad or m] */
-CV_EXPORTS_W void writeSequenceJoints(const String& folder, const String& name, const std::vector<String>& coordinates,
-                                      const std::vector<double>& times, InputArray joints);
 
 //! @}
 

@@ -6,6 +6,7 @@
 #define OPENCV_SURGTRACK_PART_TEMPLATES_HPP
 
 #include "opencv2/surgtrack/mesh_renderer.hpp"
+#include "opencv2/surgtrack/tool_view.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -34,22 +35,6 @@ struct CV_EXPORTS_W_SIMPLE PartTemplate
 
     /** @brief Features as N x 3 CV_32S: x and y from the anchor [pixel], bin of the orientation, 0..7. */
     CV_WRAP Mat getFeatures() const;
-};
-
-/** @brief What PartTemplateRenderer needs to know of a tool in one frame. */
-struct CV_EXPORTS_W_SIMPLE ToolView
-{
-    CV_WRAP ToolView();
-
-    /** @param camera_T_base camera_T_nominal * nominal_T_base
-    @param base_T_link one per link, ToolModel::forwardKinematics() or ToolModel::linkPoses() */
-    CV_WRAP ToolView(const Matx44d& camera_T_base, const std::vector<Matx44d>& base_T_link);
-
-    CV_PROP_RW Matx44d camera_T_base;       //!< camera_T_nominal * nominal_T_base
-    std::vector<Matx44d> base_T_link;       //!< ToolModel::forwardKinematics()
-
-    /** @brief base_T_link as an array, L x 4 x 4 CV_64F. */
-    CV_WRAP Mat linkPoses() const;
 };
 
 /** @brief Cuts part templates from a drawing of the tools (paper, Sec. 2.1).

@@ -6,25 +6,13 @@
 #define OPENCV_SURGTRACK_QGO_MATCHER_HPP
 
 #include "opencv2/surgtrack/qgo.hpp"
+#include "opencv2/surgtrack/part_match.hpp"
 #include "opencv2/surgtrack/part_templates.hpp"
 
 namespace cv { namespace surgtrack {
 
 //! @addtogroup surgtrack
 //! @{
-
-/** @brief A place in the image where a part may be. */
-struct CV_EXPORTS_W_SIMPLE PartMatch
-{
-    CV_WRAP PartMatch();
-
-    CV_PROP_RW int tool;              //!< index of the tool
-    CV_PROP_RW int part;              //!< index of the keypoint
-    CV_PROP_RW Point2d imagePoint;    //!< where it was found [pixel]
-    CV_PROP_RW double similarity;     //!< 0..1
-    CV_PROP_RW Point2d predictedPoint;//!< where the template expected it [pixel]
-    CV_PROP_RW int templateIndex;     //!< index into the templates that were matched
-};
 
 /** @brief Finds part templates in an image by their quantised gradient orientations (paper, Sec. 2.1).
 

@@ -120,7 +120,7 @@ private:
     struct Truth { Matx44d camera_T_tool; std::vector<double> joints; };
 
     Sequence();
-    void readDescription(const String& folder, const String& filename, bool recorded);
+    void readDescription(const String& filename, bool recorded);
     void readKinematics();
     void readGroundTruth();
     void readKeypoints() const;
@@ -183,58 +183,45 @@ public:
                                const std::vector<double>& extra = std::vector<double>()) = 0;
 };
 
-/** @brief How good the poses of one tool are, measured against the truth. */
-struct CV_EXPORTS_W_SIMPLE PoseScore
-{
-    CV_WRAP PoseScore();
-    CV_PROP int frames;                 //!< with truth
-    CV_PROP int covered;                //!< of these, with a pose that claims to be one: tracking or coasting
-    CV_PROP double translationMean;     //!< distance of the end effector from its true place, over the covered frames [m]; 0 without any
-    CV_PROP double translationStd;      //!< its standard deviation [m]
-    CV_PROP double rotationMean;        //!< angle between estimated and true orientation, over the covered frames [rad]
-    CV_PROP double rotationStd;         //!< its standard deviation [rad]
-    CV_PROP double accuracy;            //!< share of all frames whose scored points are at most 10 pixel off, on average, in an image 720 pixel wide (paper, Sec. 3)
-    CV_PROP double silent;              //!< share of all frames that claim to be tracking and are more than 5 mm off
-};
+/** @brief Puts cameras into a folder's sequence.yaml, which is made if it does not exist; all else in it is kept, but for comments.
+@param folder of the sequence; is made if it does not exist
+@param cameras one eye or two
+@param leftVideo path for the key `left.video`; empty: that stays as it is, or `left.mp4`
+@param rightVideo the same of the right eye
+@param fps frames per second; 0: stays as it is, or is missing */
+CV_EXPORTS_W void writeSequenceCameras(const String& folder, const CameraPair& cameras, const String& leftVideo = String(),
+                                       const String& rightVideo = String(), double fps = 0);
 
-/** @brief Compares poses with the truth, as Table 1 of the paper does.
+/** @brief Puts a tool into a folder's sequence.yaml, in the place of the one of this name, or at the end.
+@param folder of the sequence; is made if it does not exist
+@param name as in the CSV files
+@param model path of the tool file, for the key `model`; empty: stays as it is
+@param nominal_T_base the hand-eye calibration, key `camera_T_base` */
+CV_EXPORTS_W void writeSequenceTool(const String& folder, const String& name, const String& model, const Matx44d& nominal_T_base);
+/** @brief Puts a tool's joint readings into a folder's kinematics.csv, in the place of those of this name.
+@param folder of the sequence; is made if it does not exist
+@param name of the tool
+@param coordinates names of the columns; other tools in the file must have the same
+@param times rising, on the clock on which frame k is at k / fps [s]
+@param joints N x C CV_64F, a row a time [rad or m] */
+CV_EXPORTS_W void writeSequenceJoints(const String& folder, const String& name, const std::vector<String>& coordinates,
+                                      const std::vector<double>& times, InputArray joints);
 
-The scored points of a tool, for PoseScore::accuracy, move with its end effector: the end effector itself, its pivot, which is the origin
-of the last link on the way to it that a joint moves, and the two points 3 mm beside the pivot on that joint's axis. Of a needle driver
-they are the tip and the axis of the jaws. */
-class CV_EXPORTS_W PoseScorer
-{
-public:
-    /** @brief A scorer without poses yet.
-    @param camera of the image the reprojection error is taken in; its distortion is left out
-    @param models of the tools, whose points are scored */
-    CV_WRAP static Ptr<PoseScorer> create(const CameraModel& camera, const std::vector<Ptr<ToolModel> >& models);
-    virtual ~PoseScorer() {}
+/** @brief Sets a tool's `camera_T_base` in a sequence.yaml. The rest of the file stays as it is, to the byte; the new file takes the
+place of the old one at once.
+@param sequence the folder, or its sequence.yaml
+@param tool name
+@param camera_T_base rigid [m]
+@throws cv::Exception naming file and key: not a description as in doc/formats.md, no such tool, can't be written */
+CV_EXPORTS_W void writeHandEye(const String& sequence, const String& tool, const Matx44d& camera_T_base);
 
-    /** @brief Takes in one frame of one tool.
-    @param tool index
-    @param state see cv::surgtrack::TrackingState
-    @param camera_T_tool estimate
-    @param true_camera_T_tool truth */
-    CV_WRAP virtual void add(int tool, int state, const Matx44d& camera_T_tool, const Matx44d& true_camera_T_tool) = 0;
-
-    /** @brief The score so far. @param tool index; -1 = all tools together */
-    CV_WRAP virtual PoseScore score(int tool = -1) const = 0;
-};
-
-/** @brief What leads from an estimated pose to the true one, in the terms of ToolEstimate::covariance:
-R_true = exp(rotation) R_estimate, t_true = translation + t_estimate.
-@param camera_T_tool estimate
-@param true_camera_T_tool truth
-@return (rotation vector [rad], translation [m]), both in the camera frame */
-CV_EXPORTS_W Matx61d poseError(const Matx44d& camera_T_tool, const Matx44d& true_camera_T_tool);
-
-/** @brief Normalised error squared (NEES): e^T P^-1 e of some components, as many as its mean should be if P is right.
-@param error see poseError()
-@param covariance see ToolEstimate::covariance
-@param first, count components, by default all: 0, 3 is the rotation alone, 3, 3 the translation
-@return not a number if that block of the covariance is not positive definite, as without a covariance */
-CV_EXPORTS_W double normalizedErrorSquared(const Matx61d& error, const Matx66d& covariance, int first = 0, int count = 6);
+/** @brief Reads rigid poses from a CSV file with the columns `index` or `time`, and tx, ty, tz [m], qx, qy, qz, qw.
+@param filename the file
+@param keys values of the first of these columns, rising [s if it is `time`]
+@param poses N x 16 CV_64F: 4 x 4 matrices, row by row
+@return whether the column is `time`
+@throws cv::Exception naming file and line */
+CV_EXPORTS_W bool readPoses(const String& filename, CV_OUT std::vector<double>& keys, OutputArray poses);
 
 //! @}
 

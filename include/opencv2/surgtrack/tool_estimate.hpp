@@ -5,24 +5,13 @@
 #ifndef OPENCV_SURGTRACK_TOOL_ESTIMATE_HPP
 #define OPENCV_SURGTRACK_TOOL_ESTIMATE_HPP
 
-#include "opencv2/surgtrack/qgo_matcher.hpp"
+#include "opencv2/surgtrack/part_match.hpp"
+#include "opencv2/surgtrack/tracking_state.hpp"
 
 namespace cv { namespace surgtrack {
 
 //! @addtogroup surgtrack
 //! @{
-
-//! What an estimate is worth.
-enum TrackingState
-{
-    STATE_INITIALIZING = 0,   //!< no confirmed pose yet: that of the kinematics, or a first measurement
-    STATE_TRACKING = 1,       //!< the pose was measured in this frame
-    STATE_COASTING = 2,       //!< nothing was measured for a short while: kinematics with the last correction
-    STATE_LOST = 3            //!< the pose must not be used
-};
-
-/** @brief `initializing`, `tracking`, `coasting` or `lost`, as poses files have it. @param state see cv::surgtrack::TrackingState */
-CV_EXPORTS_W String stateName(int state);
 
 /** @brief The tracker's answer for one tool and one frame. */
 struct CV_EXPORTS_W_SIMPLE ToolEstimate

@@ -156,6 +156,7 @@ class surgtrack_test(NewOpenCVTests):
         os.makedirs(os.path.join(headers, 'surgtrack'))
         with open(os.path.join(headers, 'surgtrack.hpp'), 'w') as f:
             f.write('#include "opencv2/surgtrack/stage.hpp"\n')
+        open(os.path.join(headers, 'surgtrack', 'lab.hpp'), 'w').close()
         with open(os.path.join(headers, 'surgtrack', 'stage.hpp'), 'w') as f:
             f.write('namespace cv { namespace surgtrack { struct CV_EXPORTS_W_SIMPLE Found { CV_PROP int part; double value; };\n'
                     'class CV_EXPORTS_W Stage { int hidden(); public: CV_WRAP virtual int run(int a = f(1)) = 0; virtual void stop() { if (a) { b(); } }\n'

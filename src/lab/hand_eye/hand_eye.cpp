@@ -3,6 +3,8 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "base/checks.hpp"
+#include "base/geometry.hpp"
 #include "lab/hand_eye/hand_eye_motion.hpp"
 #include "lab/hand_eye/hand_eye_reject.hpp"
 
@@ -57,7 +59,7 @@ HandEyeProblem readProblem(InputArray robotPoses, InputArray boardPoses, const H
         for (size_t i = 0; i < M.size(); i++) M[i] = rigidInverse(M[i]);
     for (size_t i = 0; i < B.size() && !camera.imageSize().empty(); i++)
         for (size_t j = 0; j < points.size(); j++)
-            if (!(transform(B[i], points[j]).z > 1e-3))
+            if (!(transform(B[i], points[j]).z > nearestDepth))
                 CV_Error(Error::StsBadArg, format("boardPoses: pose %d has a point of the board behind the camera", (int)i));
     return HandEyeProblem(M, B, camera, points);
 }
@@ -130,9 +132,8 @@ void measureSpread(const HandEyeProblem& problem, const Indices& poses, const So
     double translation = 0, rotation = 0;
     for (size_t g = 0; g < s.others.size(); g++)
     {
-        Matx31d angle;
         const Matx44d difference = rigidInverse(mean) * s.others[g].X;
-        rotationVector(difference.get_minor<3, 3>(0, 0), angle);
+        const Vec3d angle = rotationVector(rotationOf(difference));
         const Point3d d = transform(s.others[g].X, mountPlace) - transform(mean, mountPlace);
         translation += d.dot(d);
         rotation += angle.dot(angle);

@@ -3,12 +3,10 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-#if CV_VERSION_MAJOR >= 5
-#include "opencv2/geometry.hpp"
-#include "opencv2/objdetect.hpp"
-#else
-#include "opencv2/calib3d.hpp"
-#endif
+#include "opencv2/surgtrack/hand_eye.hpp"
+#include "base/calib.hpp"
+#include "base/checks.hpp"
+#include "base/geometry.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -90,8 +88,7 @@ bool findBoard(InputArray _image, const CameraModel& camera, const CalibrationBo
         solvePnPRefineLM(points, found, camera.cameraMatrix(), camera.distCoeffs(), rotations[i], translations[i]);
         Matx33d R;
         Rodrigues(rotations[i], R);
-        const double* t = translations[i].ptr<double>();
-        const Matx44d T(R(0, 0), R(0, 1), R(0, 2), t[0], R(1, 0), R(1, 1), R(1, 2), t[1], R(2, 0), R(2, 1), R(2, 2), t[2], 0, 0, 0, 1);
+        const Matx44d T = rigidTransform(R, Vec3d(translations[i].ptr<double>()));
         const double e = checkRange(T) ? reprojection(camera, T, points, found) : DBL_MAX;
         if (e >= least) continue;
         least = e;

@@ -3,12 +3,8 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "base/geometry.hpp"
 #include "lab/hand_eye/hand_eye_motion.hpp"
-#if CV_VERSION_MAJOR >= 5
-#include "opencv2/geometry.hpp"
-#else
-#include "opencv2/calib3d.hpp"
-#endif
 
 namespace cv { namespace surgtrack {
 
@@ -32,9 +28,8 @@ void measureMotion(const std::vector<Matx44d>& M, const std::vector<int>& kept, 
         for (size_t j = 0; j < i; j++)
         {
             const Matx44d motion = M[kept[j]] * rigidInverse(M[kept[i]]);
-            Matx31d v;
-            rotationVector(motion.get_minor<3, 3>(0, 0), v);
-            rotations.push_back(Vec3d(v.val));
+            const Vec3d v = rotationVector(rotationOf(motion));
+            rotations.push_back(v);
             sum += v * v.t();
         }
     Matx31d values;
@@ -50,8 +45,6 @@ void measureMotion(const std::vector<Matx44d>& M, const std::vector<int>& kept, 
 }
 
 } // namespace
-
-void rotationVector(const Matx33d& R, Matx31d& vector) { Rodrigues(R, vector); }
 
 void judgeHandEye(const HandEyeProblem& problem, const std::vector<int>& kept, HandEyeResult& result)
 {

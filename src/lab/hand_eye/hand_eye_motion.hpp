@@ -9,9 +9,6 @@
 
 namespace cv { namespace surgtrack {
 
-//! Rotation vector of a rotation matrix [rad].
-void rotationVector(const Matx33d& R, Matx31d& vector);
-
 /** How far the kept poses turn, and what is to be said of that and of result.best: fills largestRotation, crossRotation, warnings and
 reason. */
 void judgeHandEye(const HandEyeProblem& problem, const std::vector<int>& kept, HandEyeResult& result);

@@ -3,13 +3,9 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "base/calib.hpp"
+#include "base/geometry.hpp"
 #include "lab/hand_eye/hand_eye_solve.hpp"
-#if CV_VERSION_MAJOR >= 5
-#include "opencv2/calib.hpp"
-#include "opencv2/geometry.hpp"
-#else
-#include "opencv2/calib3d.hpp"
-#endif
 
 namespace cv { namespace surgtrack {
 
@@ -18,32 +14,12 @@ namespace {
 typedef Matx<double, 12, 12> Matrix12;
 typedef Matx<double, 12, 1> Vector12;
 
-const double nearest = 1e-3;                  // [m]; points nearer than this are not seen
 const double leastShift = 1e-5, leastAngle = 1e-4;    // deviations [m], [rad]; no robot and no board is known better
 const double robotShift = 1e-3, robotAngle = CV_PI / 180;    // the same, to begin with; what a cable-driven robot has
 const double largestError = 1e6;
 
-Matx33d rotationOf(const Matx44d& T) { return T.get_minor<3, 3>(0, 0); }
-
-Matx44d rigidTransform(const Matx33d& R, const Matx31d& t)
-{
-    Matx44d T = Matx44d::eye();
-    for (int i = 0; i < 3; i++)
-    {
-        for (int j = 0; j < 3; j++) T(i, j) = R(i, j);
-        T(i, 3) = t(i, 0);
-    }
-    return T;
-}
-
-Matx44d exponential(const double* v)
-{
-    Matx33d R;
-    Rodrigues(Matx31d(v[0], v[1], v[2]), R);
-    return rigidTransform(R, Matx31d(v[3], v[4], v[5]));
-}
-
-Matx33d skew(const Point3d& p) { return Matx33d(0, -p.z, p.y, p.z, 0, -p.x, -p.y, p.x, 0); }
+//! Of rotation vector and translation.
+Matx44d motionOf(const double* v) { return rigidTransform(exponential(Vec3d(v)), Vec3d(v + 3)); }
 
 void split(const Matx44d& T, double unit, std::vector<Mat>& R, std::vector<Mat>& t)
 {
@@ -80,11 +56,10 @@ HandEyeProblem::HandEyeProblem(const std::vector<Matx44d>& M, const std::vector<
 HandEyeError HandEyeProblem::error(const HandEye& solution, int pose) const
 {
     const Matx44d predicted = solution.X * M_[pose] * solution.Y;
-    Matx31d rotation;
-    Rodrigues(rotationOf(B_[pose]) * rotationOf(predicted).t(), rotation);
+    const Vec3d rotation = rotationVector(rotationOf(B_[pose]) * rotationOf(predicted).t());
     const Point3d shift = transform(B_[pose], middle_) - transform(predicted, middle_);
     HandEyeError error;
-    error.e = Vec6d(shift.x, shift.y, shift.z, rotation(0), rotation(1), rotation(2));
+    error.e = Vec6d(shift.x, shift.y, shift.z, rotation[0], rotation[1], rotation[2]);
     error.translation = norm(shift);
     error.rotation = norm(rotation);
     error.pixels = 0;
@@ -94,7 +69,7 @@ HandEyeError HandEyeProblem::error(const HandEye& solution, int pose) const
     for (size_t i = 0; i < points_.size(); i++)
     {
         const Point3d q = transform(predicted, points_[i]);
-        const double distance = q.z > nearest ? std::min(norm(camera_.project(q) - camera_.project(transform(B_[pose], points_[i]))), image) : image;
+        const double distance = q.z > nearestDepth ? std::min(norm(camera_.project(q) - camera_.project(transform(B_[pose], points_[i]))), image) : image;
         error.pixels += distance * distance / points_.size();
     }
     error.pixels = std::sqrt(error.pixels);
@@ -142,7 +117,7 @@ bool HandEyeProblem::solveClosed(int method, const std::vector<int>& poses, Hand
         split(B_[poses[i]], unit, boardR, boardT);
     }
     Matx33d R, worldR;
-    Matx31d t, worldT;
+    Vec3d t, worldT;
     if (robotWorld)
     {
         calibrateRobotWorldHandEye(boardR, boardT, robotR, robotT, worldR, worldT, R, t,
@@ -226,8 +201,8 @@ void HandEyeProblem::refine(const std::vector<int>& poses, HandEye& solution) co
         const bool solved = cv::solve(damped, b, x, DECOMP_CHOLESKY);
         if (solved)
         {
-            next.X = nearestRigid(exponential(x.val) * solution.X);
-            next.Y = nearestRigid(solution.Y * exponential(x.val + 6));
+            next.X = nearestRigid(motionOf(x.val) * solution.X);
+            next.Y = nearestRigid(solution.Y * motionOf(x.val + 6));
         }
         const double after = solved ? cost(poses, next, 0, 0) : DBL_MAX;
         if (!(after < before))

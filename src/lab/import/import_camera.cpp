@@ -3,17 +3,13 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-#include "lab/import/import_tool.hpp"
-
 #include <sstream>
-
-#include "opencv2/calib3d.hpp"
+#include "base/calib.hpp"
+#include "lab/import/import_tool.hpp"
 
 // Cameras from the calibration files of others.
 
 namespace cv { namespace surgtrack {
-
-CameraPair::CameraPair() : right_T_left(Matx44d::eye()) {}
 
 namespace {
 

@@ -16,7 +16,7 @@ class JsonKey
 public:
     JsonKey(const nlohmann::json& value, const String& filename, const String& path) : value_(&value), filename_(filename), path_(path) {}
 
-    CV_NORETURN void fail(const String& what) const { importError(filename_, (path_.empty() ? "" : path_ + ": ") + what); }
+    CV_NORETURN void fail(const String& what) const { importError(filename_, (path_.empty() ? "" : "key " + path_ + ": ") + what); }
 
     //! With underscores, or as old files have it, hyphens.
     bool has(const String& key) const { return find(key) != 0; }
@@ -25,14 +25,14 @@ public:
         const nlohmann::json* value = find(key);
         const String path = path_.empty() ? key : path_ + "." + key;
         if (!value)
-            importError(filename_, path + ": missing");
+            importError(filename_, "key " + path + ": missing");
         return JsonKey(*value, filename_, path);
     }
 
     size_t size() const
     {
         if (!value_->is_array())
-            fail("expected a list");
+            fail("expected a sequence");
         return value_->size();
     }
     JsonKey operator[](size_t i) const { return JsonKey((*value_)[i], filename_, path_ + format("[%d]", (int)i)); }
@@ -41,7 +41,7 @@ public:
     String text() const
     {
         if (!value_->is_string())
-            fail("expected a text");
+            fail("expected a string");
         return value_->get<std::string>();
     }
     double number() const
@@ -62,7 +62,7 @@ private:
     const nlohmann::json* find(String key) const
     {
         if (!value_->is_object())
-            fail("expected an object { ... }");
+            fail("expected a map");
         nlohmann::json::const_iterator at = value_->find(key);
         if (at == value_->end())
         {

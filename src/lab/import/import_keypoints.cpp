@@ -5,7 +5,6 @@
 #include "precomp.hpp"
 #include "opencv2/surgtrack/import.hpp"
 #include "files/text_file.hpp"
-#include "files/text_table.hpp"
 
 #include <cstdlib>
 

@@ -6,6 +6,7 @@
 #define OPENCV_SURGTRACK_SRC_LAB_IMPORT_IMPORT_TOOL_HPP
 
 #include "opencv2/surgtrack/import.hpp"
+#include "base/geometry.hpp"
 #include "files/text_file.hpp"
 
 // What the importers of tools share.
@@ -14,11 +15,6 @@ namespace cv { namespace surgtrack {
 
 //! The multiple of pi / 12 an angle stands for if it differs by less than 1e-5 rad, as 1.5708 does from pi / 2; else the angle.
 double exactAngle(double angle);
-
-inline Matx44d rigidTransform(const Matx33d& R, const Vec3d& t)
-{
-    return Matx44d(R(0, 0), R(0, 1), R(0, 2), t[0], R(1, 0), R(1, 1), R(1, 2), t[1], R(2, 0), R(2, 1), R(2, 2), t[2], 0, 0, 0, 1);
-}
 
 /** A rigid transform as modified Denavit-Hartenberg transforms one after the other: one where that does, else two or three.
 Only alpha, a, theta and d of the links are filled in. */

@@ -3,10 +3,11 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-#include "opencv2/imgproc.hpp"
+#include "base/geometry.hpp"
 #include "lab/synthetic/synthetic_arm.hpp"
 #include "lab/synthetic/synthetic_image.hpp"
 #include "lab/synthetic/synthetic_write.hpp"
+#include "render/tool_instances.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -24,7 +25,7 @@ public:
     int frameCount() const CV_OVERRIDE { return params_.frames; }
     Ptr<ToolModel> model() const CV_OVERRIDE { return model_; }
     CameraModel camera(bool right) const CV_OVERRIDE;
-    Matx44d right_T_left() const CV_OVERRIDE { return rigid(Matx33d::eye(), Vec3d(params_.stereo ? -BASELINE : 0, 0, 0)); }
+    Matx44d right_T_left() const CV_OVERRIDE { return rigidTransform(Matx33d::eye(), Vec3d(params_.stereo ? -BASELINE : 0, 0, 0)); }
     Matx44d nominal_T_base(int tool) const CV_OVERRIDE { return arm(tool).nominal_T_base; }
     Matx44d camera_T_base(int tool) const CV_OVERRIDE { return arm(tool).camera_T_base; }
     std::vector<double> trueJoints(int tool, double time) const CV_OVERRIDE { return arm(tool).trueJoints(time); }
@@ -49,7 +50,7 @@ private:
     std::vector<SyntheticArm> arms_;
 
     Ptr<MeshRenderer> renderer_;
-    std::vector<int> meshes_;
+    int firstMesh_;
     std::vector<ToolMaterial> materials_;
     Rendering rendering_;
     Mat tissue_, vignette_;
@@ -67,7 +68,7 @@ CameraModel makeCamera(const SyntheticScene::Params& params, int scale)
     return CameraModel(K, params.distortion ? Mat(distortion) : Mat(), Size(params.imageSize.width * scale, params.imageSize.height * scale));
 }
 
-SyntheticSceneImpl::SyntheticSceneImpl(const Ptr<ToolModel>& model, const Params& params) : model_(model), params_(params), disparity_(0)
+SyntheticSceneImpl::SyntheticSceneImpl(const Ptr<ToolModel>& model, const Params& params) : model_(model), params_(params), firstMesh_(-1), disparity_(0)
 {
     camera_ = makeCamera(params, 1);
     doubledCamera_ = makeCamera(params, 2);
@@ -91,8 +92,7 @@ CameraModel SyntheticSceneImpl::camera(bool right) const
 void SyntheticSceneImpl::prepareDrawing()
 {
     renderer_ = MeshRenderer::createSoftware();
-    for (size_t i = 0; i < model_->meshes().size(); i++)
-        meshes_.push_back(renderer_->addMesh(model_->meshes()[i]));
+    firstMesh_ = renderer_->addTool(model_);
     RNG rng = makeRng(params_.seed, STREAM_TISSUE, 0);
     disparity_ = cvRound(camera_.fx * BASELINE / TISSUE_DEPTH);
     tissue_ = makeTissue(Size(params_.imageSize.width + disparity_, params_.imageSize.height), rng);
@@ -141,22 +141,12 @@ void SyntheticSceneImpl::renderArms(int frame, const std::vector<std::vector<dou
         prepareDrawing();
     prepareMaterials(joints.size());
     const Matx44d eye_T_left = right ? right_T_left() : Matx44d::eye();
-    const std::vector<ToolModel::Link>& links = model_->links();
     std::vector<MeshInstance> instances;
     for (size_t tool = 0; tool < joints.size(); tool++)
     {
         std::vector<Matx44d> base_T_link;
         model_->forwardKinematics(joints[tool], base_T_link);
-        for (size_t i = 0; i < links.size(); i++)
-        {
-            if (links[i].mesh < 0)
-                continue;
-            MeshInstance instance;
-            instance.mesh = meshes_[links[i].mesh];
-            instance.id = 1 + (int)(tool * links.size() + i);
-            instance.camera_T_mesh = eye_T_left * bases[tool] * base_T_link[i];
-            instances.push_back(instance);
-        }
+        addInstances(*model_, firstMesh_, eye_T_left * bases[tool], base_T_link, 1 + (int)(tool * model_->links().size()), true, instances);
     }
     renderer_->render(doubledCamera_, Rect(Point(), doubledCamera_.imageSize()), instances, rendering_);
 

@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "base/geometry.hpp"
 #include "lab/synthetic/synthetic_arm.hpp"
 
 namespace cv { namespace surgtrack {
@@ -27,12 +28,6 @@ Vec3d randomDirection(RNG& rng)
         v = Vec3d(rng.gaussian(1), rng.gaussian(1), rng.gaussian(1));
     while (norm(v) < 1e-3);
     return normalize(v);
-}
-
-Matx33d rotationAbout(const Vec3d& axis, double angle)
-{
-    const Matx33d K(0, -axis[2], axis[1], axis[2], 0, -axis[0], -axis[1], axis[0], 0);
-    return Matx33d::eye() + std::sin(angle) * K + (1 - std::cos(angle)) * (K * K);
 }
 
 } // namespace
@@ -69,13 +64,13 @@ void SyntheticArm::place()
                             params_.tools == 2 ? Vec3d(side * 0.014, 0.003 + side * 0.003, 0.099) : Vec3d(side * 0.017, height * 0.013, 0.099);
     const Vec3d z = normalize(base - workspace), x = normalize(Vec3d(-side * z[2], 0, side * z[0])), y = z.cross(x);
     const Matx33d R(x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]);
-    camera_T_base = rigid(R, base);
+    camera_T_base = rigidTransform(R, base);
     motion_[2].centre = insertionFor(norm(base - workspace));
 
     // The calibration is wrong by a rotation about the workspace and a shift, so that the tool is off by the shift there.
     const Matx33d error = rotationAbout(randomDirection(rng), params_.handEyeRotation);
     const Vec3d shift = params_.handEyeTranslation * randomDirection(rng);
-    nominal_T_base = rigid(error, workspace - error * workspace + shift) * camera_T_base;
+    nominal_T_base = rigidTransform(error, workspace - error * workspace + shift) * camera_T_base;
 
     RNG reading = makeRng(params_.seed, STREAM_READING, tool_);
     for (int i = 0; i < COORDINATES; i++)

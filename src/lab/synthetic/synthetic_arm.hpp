@@ -14,11 +14,6 @@ enum Stream { STREAM_MOTION = 1, STREAM_HAND_EYE, STREAM_READING, STREAM_WHITE, 
 
 RNG makeRng(int seed, Stream stream, uint64 index);
 
-inline Matx44d rigid(const Matx33d& R, const Vec3d& t)
-{
-    return Matx44d(R(0, 0), R(0, 1), R(0, 2), t[0], R(1, 0), R(1, 1), R(1, 2), t[1], R(2, 0), R(2, 1), R(2, 2), t[2], 0, 0, 0, 1);
-}
-
 //! A pendulum of two sines; whole periods in the length of the sequence.
 struct Motion
 {

@@ -3,7 +3,6 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-#include "opencv2/imgproc.hpp"
 #include "lab/synthetic/synthetic_image.hpp"
 
 namespace cv { namespace surgtrack {

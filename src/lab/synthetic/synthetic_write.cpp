@@ -7,9 +7,11 @@
 #include <cstring>
 #include "opencv2/core/utils/filesystem.hpp"
 #include "opencv2/videoio.hpp"
+#include "opencv2/surgtrack/part_templates.hpp"
 #include "base/geometry.hpp"
+#include "files/text_file.hpp"
 #include "lab/synthetic/synthetic_write.hpp"
-#include "files/text_table.hpp"
+#include "render/tool_instances.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -93,59 +95,33 @@ void writeKinematics(const SyntheticScene& scene, const SyntheticScene::Params& 
     table.write(filename);
 }
 
-//! Whether the depth map shows a point or something in front of it.
-bool isVisible(const Point2d& imagePoint, double z, double slack, const Mat& depth)
-{
-    const Point p(cvRound(imagePoint.x), cvRound(imagePoint.y));
-    if (z <= 0 || !Rect(Point(), depth.size()).contains(p))
-        return false;
-    const float surface = depth.at<float>(p);
-    return surface > 0 && z <= surface + slack;
-}
-
 class TruthWriter
 {
 public:
     TruthWriter(const SyntheticScene& scene, const SyntheticScene::Params& params, const String& jointHeader)
-        : scene_(scene), fps_(params.fps), model_(scene.model()), camera_(scene.camera()), renderer_(MeshRenderer::createSoftware()),
+        : scene_(scene), fps_(params.fps), model_(scene.model()), camera_(scene.camera()), renderer_(MeshRenderer::createSoftware()), firstMesh_(renderer_->addTool(model_)),
           poses_("frame,time,tool,tx,ty,tz,qx,qy,qz,qw" + jointHeader), keypoints_("frame,tool,keypoint,u,v,x,y,z,visible\n")
     {
-        for (size_t i = 0; i < model_->meshes().size(); i++)
-            meshes_.push_back(renderer_->addMesh(model_->meshes()[i]));
-        tips_.assign(model_->links().size(), true);
-        for (size_t i = 0; i < model_->links().size(); i++)
-            if (model_->links()[i].parent >= 0)
-                tips_[model_->links()[i].parent] = false;
     }
 
     void add(int frame)
     {
         const double time = frame / fps_;
         std::vector<MeshInstance> instances;
-        std::vector<std::vector<Matx44d> > camera_T_links;
+        std::vector<std::vector<Matx44d> > base_T_links;
         for (int i = 0; i < scene_.toolCount(); i++)
         {
             std::vector<Matx44d> links;
             model_->forwardKinematics(scene_.trueJoints(i, time), links);
-            for (size_t j = 0; j < links.size(); j++)
-            {
-                links[j] = scene_.camera_T_base(i) * links[j];
-                if (model_->links()[j].mesh < 0)
-                    continue;
-                MeshInstance instance;
-                instance.mesh = meshes_[model_->links()[j].mesh];
-                instance.id = 1;
-                instance.camera_T_mesh = links[j];
-                instances.push_back(instance);
-            }
-            camera_T_links.push_back(links);
+            addInstances(*model_, firstMesh_, scene_.camera_T_base(i), links, 1, false, instances);
+            base_T_links.push_back(links);
         }
         renderer_->render(camera_, Rect(Point(), camera_.imageSize()), instances, rendering_);
         for (int i = 0; i < scene_.toolCount(); i++)
         {
             addPose(frame, time, i);
             for (size_t j = 0; j < model_->keypoints().size(); j++)
-                addKeypoint(frame, i, model_->keypoints()[j], camera_T_links[i]);
+                addKeypoint(frame, i, model_->keypoints()[j], scene_.camera_T_base(i) * base_T_links[i][model_->keypoints()[j].link]);
         }
     }
 
@@ -166,14 +142,15 @@ private:
         addJoints(poses_, scene_.trueJoints(tool, time));
     }
 
-    void addKeypoint(int frame, int tool, const ToolModel::Keypoint& keypoint, const std::vector<Matx44d>& camera_T_links)
+    void addKeypoint(int frame, int tool, const ToolModel::Keypoint& keypoint, const Matx44d& camera_T_link)
     {
         const Point3d& p = keypoint.linkPoint;
-        const Vec4d v = camera_T_links[keypoint.link] * Vec4d(p.x, p.y, p.z, 1);
+        const Vec4d v = camera_T_link * Vec4d(p.x, p.y, p.z, 1);
         const bool inFront = v[2] > 1e-6;
         const Point2d imagePoint = inFront ? camera_.project(Point3d(v[0], v[1], v[2])) : Point2d(-1, -1);
-        // The slack of the part templates: 1 mm, 3 mm at the tips.
-        const bool visible = inFront && isVisible(imagePoint, v[2], tips_[keypoint.link] ? 0.003 : 0.001, rendering_.depth);
+        const PartTemplateRenderer::Params slack;
+        const bool visible = inFront && isVisible(rendering_.depth, rendering_.ids, Point(cvRound(imagePoint.x), cvRound(imagePoint.y)), 0, v[2], 1,
+                                                  isTip(*model_, keypoint.link) ? slack.tipDepthSlack : slack.depthSlack);
         keypoints_ << frame << "," << toolName(tool) << "," << keypoint.name << "," << imagePoint.x << "," << imagePoint.y << "," << v[0] << ","
                    << v[1] << "," << v[2] << "," << (int)visible << "\n";
     }
@@ -183,8 +160,7 @@ private:
     Ptr<ToolModel> model_;
     CameraModel camera_;
     Ptr<MeshRenderer> renderer_;
-    std::vector<int> meshes_;
-    std::vector<bool> tips_;    // a link: it ends its chain
+    int firstMesh_;
     Rendering rendering_;
     Table poses_, keypoints_;
 };

@@ -5,8 +5,12 @@
 #ifndef OPENCV_SURGTRACK_SRC_LAB_TIME_OFFSET_TIME_OFFSET_HPP
 #define OPENCV_SURGTRACK_SRC_LAB_TIME_OFFSET_TIME_OFFSET_HPP
 
-#include "lab/time_offset/time_offset_fit.hpp"
 #include <map>
+#include "opencv2/surgtrack/geometric_context.hpp"
+#include "opencv2/surgtrack/time_offset.hpp"
+#include "base/geometry.hpp"
+#include "lab/time_offset/time_offset_fit.hpp"
+#include "model/camera.hpp"
 
 namespace cv { namespace surgtrack {
 

@@ -3,12 +3,8 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "lab/time_offset/time_offset_fit.hpp"
-#if CV_VERSION_MAJOR >= 5
-#include "opencv2/geometry.hpp"
-#else
-#include "opencv2/calib3d.hpp"
-#endif
 #include <Eigen/Dense>
+#include "base/geometry.hpp"
 
 // x      unknowns: the offset; per tool the errors of its joints; per tool and block the correction: rotation w, translation t
 // A, b   normal equations, A dx = b, of residuals divided by their deviations
@@ -23,16 +19,8 @@ const double pointDeviation = 3;                              // of a match [pix
 const double handEyeAngle = 4 * CV_PI / 180, handEyeShift = 0.008;   // the error of a hand-eye calibration, as ToolPoseEKF has it
 const double tieAngle = 0.3 * CV_PI / 180, tieShift = 0.0005;   // change of the correction from block to block, while no one moves the camera
 const double velocityStep = 0.04;                             // [s]; velocities over a shorter time are those of noise
-const double minDepth = 1e-3;                                 // [m]
 const int minMeasurements = 3;                                // fewer do not even determine one correction
 const double leastVariance = 0.25;                            // no match is better than half of pointDeviation
-
-Vec3d rotationVector(const Matx33d& R)
-{
-    Vec3d v;
-    Rodrigues(R, v);
-    return v;
-}
 
 inline Vec3d rowOf(const Mat& points, int i) { return Vec3d(points.ptr<double>(i)); }
 
@@ -108,13 +96,7 @@ bool TimeOffsetFit::view(int tool, int block, double time, ToolView& view) const
     tools_[tool].model->forwardKinematics(joints, view.base_T_link);
     const Correction& c = corrections_[tool][block];
     const Vec3d shift = pivots_[tool] + c.t - c.R * pivots_[tool];
-    Matx44d camera_T_nominal = Matx44d::eye();
-    for (int r = 0; r < 3; r++)
-    {
-        for (int k = 0; k < 3; k++) camera_T_nominal(r, k) = c.R(r, k);
-        camera_T_nominal(r, 3) = shift[r];
-    }
-    view.camera_T_base = camera_T_nominal * tools_[tool].nominal_T_base;
+    view.camera_T_base = rigidTransform(c.R, shift) * tools_[tool].nominal_T_base;
     return true;
 }
 
@@ -122,7 +104,7 @@ double TimeOffsetFit::residual(int tool, const ToolView& view, const PartMatch& 
 {
     const ToolModel::Keypoint& k = tools_[tool].model->keypoints()[match.part];
     const Point3d p = transform(view.camera_T_base * view.base_T_link[k.link], k.linkPoint);
-    return p.z > minDepth ? norm(camera_.project(p) - match.imagePoint) : DBL_MAX;
+    return p.z > nearestDepth ? norm(camera_.project(p) - match.imagePoint) : DBL_MAX;
 }
 
 struct TimeOffsetFit::Normals
@@ -156,7 +138,7 @@ void TimeOffsetFit::addMeasurement(const OffsetMeasurement& m, double limit2, No
         const int part = m.inliers[k].part;
         const Vec3d nominal = Vec3d(transform(tool.nominal_T_base, Point3d(rowOf(basePoints, part))));
         const Vec3d arm = c.R * (nominal - pivots_[m.tool]), v = arm + pivots_[m.tool] + c.t;
-        if (v[2] < minDepth) continue;
+        if (v[2] < nearestDepth) continue;
         Matx23d P;
         const Point2d h = camera_.project(Point3d(v), &P);
         const Eigen::Vector2d e(s * (m.inliers[k].imagePoint.x - h.x), s * (m.inliers[k].imagePoint.y - h.y));
@@ -250,10 +232,8 @@ void TimeOffsetFit::apply(const double* dx, double reach)
         for (int block = 0; block < blocks_; block++)
         {
             const double* d = dx + correctionColumns_[i] + 6 * block;
-            Matx33d dR;
-            Rodrigues(Vec3d(d[0], d[1], d[2]), dR);
             Correction& c = corrections_[i][block];
-            c.R = dR * c.R;
+            c.R = exponential(Vec3d(d)) * c.R;
             c.t += Vec3d(d[3], d[4], d[5]);
         }
     }

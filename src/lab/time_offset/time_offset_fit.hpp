@@ -6,6 +6,8 @@
 #define OPENCV_SURGTRACK_SRC_LAB_TIME_OFFSET_TIME_OFFSET_FIT_HPP
 
 #include "precomp.hpp"
+#include "opencv2/surgtrack/qgo_matcher.hpp"
+#include "opencv2/surgtrack/sequence.hpp"
 
 namespace cv { namespace surgtrack {
 

@@ -31,7 +31,10 @@ calibration believes the camera is. `camera`: x right, y down, z forward. `a_T_b
 and `camera_T_nominal`, the correction, is what is sought. METHOD_FULL seeks the joints' errors as well: there `joints` are the
 readings plus ToolEstimate.jointOffsets. With a right camera all poses are in the frame of the left one.
 
-**Units.** Metres, radians, seconds, pixels. Pixel (0, 0) is the centre of the top-left pixel."""
+**Units.** Metres, radians, seconds, pixels. Pixel (0, 0) is the centre of the top-left pixel.
+
+**Headers.** `opencv2/surgtrack.hpp` is tracking. `opencv2/surgtrack/lab.hpp` is what is around it: synthetic scenes, hand-eye
+calibration, time offsets, importers, live data, the scene from outside and scores against the truth."""
 
 from typing import Any, Optional, Sequence as _Sequence, Tuple, Union, overload
 
@@ -137,6 +140,15 @@ class CameraModel:
         window: part of the image [pixel]
         """
         ...
+
+class CameraPair:
+    """Cameras of an endoscope with one or two eyes."""
+    def __init__(self) -> None: ...
+    left: CameraModel
+    right: CameraModel
+    """image size 0 x 0 if there is one eye only"""
+    right_T_left: NDArray[np.float64]
+    """maps the left camera's frame to the right's [m]"""
 
 class Mesh:
     """A triangle mesh in the frame of its link [m].
@@ -286,6 +298,22 @@ class ToolModel:
         """
         ...
 
+class ToolView:
+    """Where a tool is in one frame: what drawing it takes."""
+    @overload
+    def __init__(self) -> None: ...
+    @overload
+    def __init__(self, camera_T_base: NDArray[np.float64], base_T_link: Union[_Sequence[NDArray[np.float64]], NDArray[np.float64]]) -> None:
+        """camera_T_base: camera_T_nominal * nominal_T_base
+        base_T_link: one per link, ToolModel.forwardKinematics() or ToolModel.linkPoses()
+        """
+        ...
+    camera_T_base: NDArray[np.float64]
+    """camera_T_nominal * nominal_T_base"""
+    def linkPoses(self) -> NDArray[Any]:
+        """base_T_link as an array, L x 4 x 4 CV_64F."""
+        ...
+
 class Rendering:
     """What a MeshRenderer draws: three images of the same size, for one window of the camera's image."""
     def __init__(self) -> None: ...
@@ -394,22 +422,6 @@ class PartTemplate:
         ...
     def getFeatures(self) -> NDArray[Any]:
         """Features as N x 3 CV_32S: x and y from the anchor [pixel], bin of the orientation, 0..7."""
-        ...
-
-class ToolView:
-    """What PartTemplateRenderer needs to know of a tool in one frame."""
-    @overload
-    def __init__(self) -> None: ...
-    @overload
-    def __init__(self, camera_T_base: NDArray[np.float64], base_T_link: Union[_Sequence[NDArray[np.float64]], NDArray[np.float64]]) -> None:
-        """camera_T_base: camera_T_nominal * nominal_T_base
-        base_T_link: one per link, ToolModel.forwardKinematics() or ToolModel.linkPoses()
-        """
-        ...
-    camera_T_base: NDArray[np.float64]
-    """camera_T_nominal * nominal_T_base"""
-    def linkPoses(self) -> NDArray[Any]:
-        """base_T_link as an array, L x 4 x 4 CV_64F."""
         ...
 
 class PartTemplateRenderer:
@@ -1346,45 +1358,6 @@ def drawContour(image: NDArray[Any], points: _Sequence[ContourPoint], worst: flo
     """
     ...
 
-class SceneView:
-    """A view of camera, image and tools from outside, by VTK / OpenGL.
-
-    It shows the camera's axes (x red, y green, z blue) and its field of view up to a plane behind the tools, with the image on it, undistorted
-    by being drawn where its pixels look; the tools; and paths, such as those of their tips. Everything is in the camera frame.
-    """
-    @staticmethod
-    def create(camera: CameraModel, size: Tuple[int, int] = ..., window: bool = ...) -> SceneView:
-        """camera: whose frame and image it is
-        size: of the pictures [pixel]
-        window: false: off screen, through an X server if DISPLAY names one, else X-free through EGL; true: in a window for show()
-        Raises cv2.error (StsNotImplemented) if there is neither; with a window, if there is no display
-        """
-        ...
-    def setViewpoint(self, viewer: Tuple[float, float, float], centre: Tuple[float, float, float]) -> None:
-        """Where the scene is seen from; by default from behind, above and right of the camera, so that the tools of the first draw() are
-        in the middle.
-
-        viewer: where the viewer is, in the camera frame [m]
-        centre: what is in the middle of the picture [m]; another place
-        """
-        ...
-    def draw(self, image: NDArray[Any], tools: _Sequence[DrawnTool], paths: _Sequence[NDArray[Any]], picture: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
-        """Draws the scene anew.
-
-        image: of the camera, CV_8UC1 or CV_8UC3 of its size; empty: the frame of its field of view alone
-        tools: their poses and looks; one with an opacity below 1 is seen through
-        paths: N x 3 points each, floating [m], in the colours of the tools of the same index
-        picture: CV_8UC3 of the view's size
-        """
-        ...
-    def show(self, seconds: float = ...) -> None:
-        """Lets the user look at the last drawing: the left button turns, the wheel comes nearer, `q` or closing the window ends it.
-
-        seconds: ends it too; 0 = never
-        Raises cv2.error if there is no window
-        """
-        ...
-
 class SequenceTool:
     """One tool of a sequence."""
     def __init__(self) -> None: ...
@@ -1580,6 +1553,7 @@ class PoseWriter:
         """
         ...
 
+<<<<<<< HEAD
 class PoseScore:
     """How good the poses of one tool are, measured against the truth."""
     def __init__(self) -> None: ...
@@ -1734,8 +1708,164 @@ def estimateTimeOffset(sequence: Sequence, params: TimeOffsetParams = ...) -> Tu
     Returns: whether the offset is known: Params.minConfidence and Params.maxDeviation are met. It can't be known if tools hardly move
     or are hardly seen, if too little of the video has readings, if the motion repeats itself within the range, or if the offset lies outside of it
     Raises cv2.error for options out of range and naming the file if the video can't be read or has frames of another size
+=======
+def writeSequenceCameras(folder: str, cameras: CameraPair, leftVideo: str = ..., rightVideo: str = ..., fps: float = ...) -> None:
+    """Puts cameras into a folder's sequence.yaml, which is made if it does not exist; all else in it is kept, but for comments.
+
+    folder: of the sequence; is made if it does not exist
+    cameras: one eye or two
+    leftVideo: path for the key `left.video`; empty: that stays as it is, or `left.mp4`
+    rightVideo: the same of the right eye
+    fps: frames per second; 0: stays as it is, or is missing
+>>>>>>> oneofeach
     """
     ...
+
+def writeSequenceTool(folder: str, name: str, model: str, nominal_T_base: NDArray[np.float64]) -> None:
+    """Puts a tool into a folder's sequence.yaml, in the place of the one of this name, or at the end.
+
+    folder: of the sequence; is made if it does not exist
+    name: as in the CSV files
+    model: path of the tool file, for the key `model`; empty: stays as it is
+    nominal_T_base: the hand-eye calibration, key `camera_T_base`
+    """
+    ...
+
+def writeSequenceJoints(folder: str, name: str, coordinates: _Sequence[str], times: Union[_Sequence[float], NDArray[np.float64]], joints: NDArray[Any]) -> None:
+    """Puts a tool's joint readings into a folder's kinematics.csv, in the place of those of this name.
+
+    folder: of the sequence; is made if it does not exist
+    name: of the tool
+    coordinates: names of the columns; other tools in the file must have the same
+    times: rising, on the clock on which frame k is at k / fps [s]
+    joints: N x C CV_64F, a row a time [rad or m]
+    """
+    ...
+
+def writeHandEye(sequence: str, tool: str, camera_T_base: NDArray[np.float64]) -> None:
+    """Sets a tool's `camera_T_base` in a sequence.yaml. The rest of the file stays as it is, to the byte; the new file takes the
+    place of the old one at once.
+
+    sequence: the folder, or its sequence.yaml
+    tool: name
+    camera_T_base: rigid [m]
+    Raises cv2.error naming file and key: not a description as in doc/formats.md, no such tool, can't be written
+    """
+    ...
+
+def readPoses(filename: str, poses: Optional[NDArray[Any]] = ...) -> Tuple[bool, NDArray[np.float64], NDArray[Any]]:
+    """Reads rigid poses from a CSV file with the columns `index` or `time`, and tx, ty, tz [m], qx, qy, qz, qw.
+
+    filename: the file
+    keys: values of the first of these columns, rising [s if it is `time`]
+    poses: N x 16 CV_64F: 4 x 4 matrices, row by row
+    Returns: whether the column is `time`
+    Raises cv2.error naming file and line
+    """
+    ...
+
+class SyntheticScene:
+    """A synthetic scene with exact truth: tools moving over textured tissue, seen by an endoscope.
+
+    The built-in sequence of tests and demonstration. Tools are lit by the endoscope's own light; the image has vignette,
+    noise and, if the camera has it, distortion. The recorded joints carry bias, drift and noise, and the recorded hand-eye
+    calibration is wrong. Everything follows from the seed.
+    """
+    class Params:
+        def __init__(self) -> None: ...
+        tools: int
+        """1..4"""
+        frames: int
+        """length; the motion is periodic in it"""
+        seed: int
+        imageSize: Tuple[int, int]
+        """[pixel]; write() needs an even width and height"""
+        fps: float
+        handEyeRotation: float
+        """error of the recorded hand-eye calibration [rad]"""
+        handEyeTranslation: float
+        """the same [m], at the tool"""
+        jointNoise: float
+        """scale of the joint errors: 1 = 0.006 rad and 0.6 mm at the arm, 0.02 rad at the wrist, 0.03 rad at the jaw; 0 = exact"""
+        imageNoise: float
+        """standard deviation of the sensor noise [grey levels]"""
+        distortion: bool
+        """lens distortion (k1 = -0.2) or a pinhole"""
+        stereo: bool
+        """a right image, 5.2 mm beside the left one"""
+
+    @staticmethod
+    def create(model: Optional[ToolModel] = ..., params: SyntheticScene.Params = ...) -> SyntheticScene:
+        """A scene from its seed.
+
+        model: the tool all arms carry; empty = ToolModel.needleDriver(); needs the coordinates q1..q6 and jaw
+        params: options
+        """
+        ...
+    def toolCount(self) -> int:
+        """Number of arms."""
+        ...
+    def frameCount(self) -> int:
+        """Params.frames."""
+        ...
+    def model(self) -> ToolModel:
+        """The tool that all arms carry."""
+        ...
+    def camera(self, right: bool = ...) -> CameraModel:
+        """One of the cameras.
+
+        right: the right one of a stereo scene
+        """
+        ...
+    def right_T_left(self) -> NDArray[np.float64]:
+        """Pose of the left camera in the frame of the right one [m]."""
+        ...
+    def nominal_T_base(self, tool: int) -> NDArray[np.float64]:
+        """The recorded, wrong, hand-eye calibration of an arm."""
+        ...
+    def camera_T_base(self, tool: int) -> NDArray[np.float64]:
+        """The true hand-eye calibration of an arm (left camera)."""
+        ...
+    def trueJoints(self, tool: int, time: float) -> NDArray[np.float64]:
+        """True joints at a time [s]: one value per coordinate [rad or m]."""
+        ...
+    def recordedJoints(self, tool: int, time: float) -> NDArray[np.float64]:
+        """Joints at a time [s] as the robot reads them: one value per coordinate [rad or m]."""
+        ...
+    def truePose(self, tool: int, time: float) -> NDArray[np.float64]:
+        """camera_T_tool, exact (left camera).
+
+        tool: index
+        time: [s]
+        """
+        ...
+    def render(self, frame: int, image: Optional[NDArray[Any]] = ..., right: bool = ...) -> NDArray[Any]:
+        """Draws a frame.
+
+        frame: number, 0 <= frame
+        image: CV_8UC3, BGR
+        right: the right eye of a stereo scene
+        """
+        ...
+    def renderArms(self, frame: int, joints: _Sequence[Union[_Sequence[float], NDArray[np.float64]]], camera_T_base: Union[_Sequence[NDArray[np.float64]], NDArray[np.float64]], image: Optional[NDArray[Any]] = ..., right: bool = ...) -> NDArray[Any]:
+        """Draws a frame with arms that stand or move otherwise: as after a knock against the camera, or with one more arm.
+
+        frame: number, 0 <= frame; decides the sensor noise
+        joints: per arm the true joints, one value per coordinate [rad or m]; any number of arms
+        camera_T_base: per arm its base (left camera)
+        image: CV_8UC3, BGR
+        right: the right eye of a stereo scene
+        Raises cv2.error for vectors of different lengths, and for more links than a MeshRenderer can tell apart
+        """
+        ...
+    def write(self, folder: str) -> None:
+        """Writes the scene as a sequence folder: sequence.yaml, video, kinematics.csv (100 Hz), groundtruth.csv,
+        keypoints.csv, and the tool file with its meshes.
+
+        folder: is made if it does not exist
+        Raises cv2.error naming the file that can't be written
+        """
+        ...
 
 def handEyeMethodName(method: int) -> str:
     """`tsai`, `park`, ..., `refined`; `best` for HAND_EYE_BEST."""
@@ -1896,130 +2026,75 @@ def findBoard(image: NDArray[Any], camera: CameraModel, board: CalibrationBoard,
     """
     ...
 
-def readPoses(filename: str, poses: Optional[NDArray[Any]] = ...) -> Tuple[bool, NDArray[np.float64], NDArray[Any]]:
-    """Reads rigid poses from a CSV file with the columns `index` or `time`, and tx, ty, tz [m], qx, qy, qz, qw.
+class TimeOffsetParams:
+    """Options of estimateTimeOffset()."""
+    def __init__(self) -> None: ...
+    expected: float
+    """centre of the search [s]; default 0"""
+    range: float
+    """offsets this far from the expected one are searched [s]; default 3"""
+    step: float
+    """of the first, coarse search [s]; default 0.16. A tool should move by less than 10 mm in it"""
+    frames: int
+    """at most so many frames are looked at, spread over the sequence; default 48"""
+    minOverlap: float
+    """offsets that leave less of the video with readings are not considered [s]; default 1.5"""
+    minConfidence: float
+    """see TimeOffset.confidence; default 0.15"""
+    maxDeviation: float
+    """see TimeOffset.deviation [s]; default 0.03"""
+    seed: int
+    """of all random choices"""
 
-    filename: the file
-    keys: values of the first of these columns, rising [s if it is `time`]
-    poses: N x 16 CV_64F: 4 x 4 matrices, row by row
-    Returns: whether the column is `time`
-    Raises cv2.error naming file and line
+class TimeOffset:
+    """The answer of estimateTimeOffset()."""
+    def __init__(self) -> None: ...
+    @property
+    def offset(self) -> float:
+        """the readings that belong to the image of time t are those recorded at t + offset [s]"""
+        ...
+    @property
+    def deviation(self) -> float:
+        """standard deviation of the offset, if it is the right one and not another that looks alike [s]"""
+        ...
+    @property
+    def confidence(self) -> float:
+        """0..1: by how much the images support this offset more than the next best that is not a neighbour; 0.5 = twice as much"""
+        ...
+    @property
+    def support(self) -> float:
+        """summed similarity above chance of the parts found where the offset has them, a frame and tool"""
+        ...
+    @property
+    def frames(self) -> int:
+        """frames in which a tool was found"""
+        ...
+    @property
+    def reason(self) -> str:
+        """why the offset can't be told, one line; empty if it can"""
+        ...
+
+def estimateTimeOffset(sequence: Sequence, params: TimeOffsetParams = ...) -> Tuple[bool, TimeOffset]:
+    """Finds by how much the clocks of video and joint readings differ, from the whole of a recorded sequence.
+
+    The tools are drawn as the readings of many times say they look, and sought in frames spread over the video. Of each offset, in
+    coarse steps, the similarity of what was found tells how well it is supported. The best few are refined to a fraction of a frame:
+    one least-squares fit, over all frames, of the offset (a point is wrong by its velocity times the error of the offset), of the
+    correction of the hand-eye calibration and of constant errors of the joints; then tools are drawn and found again with the result.
+    The correction may change from one two-second block to the next where the images insist, as after a move of the camera.
+
+    Expects a calibration wrong by at most 14 mm at the tool and about 10 degrees. One offset holds for all tools and the whole sequence.
+    With the default options it takes about 15 s for two tools at 720x576, in proportion to frames, tools and range. The frames looked at
+    are kept in memory.
+
+    sequence: video (the left one) and readings
+    result: after false `offset` is the best guess and must not be relied on, and `reason` says why
+    params: options
+    Returns: whether the offset is known: Params.minConfidence and Params.maxDeviation are met. It can't be known if tools hardly move
+    or are hardly seen, if too little of the video has readings, if the motion repeats itself within the range, or if the offset lies outside of it
+    Raises cv2.error for options out of range and naming the file if the video can't be read or has frames of another size
     """
     ...
-
-def writeHandEye(sequence: str, tool: str, camera_T_base: NDArray[np.float64]) -> None:
-    """Sets a tool's `camera_T_base` in a sequence.yaml. The rest of the file stays as it is, to the byte; the new file takes the
-    place of the old one at once.
-
-    sequence: the folder, or its sequence.yaml
-    tool: name
-    camera_T_base: rigid [m]
-    Raises cv2.error naming file and key: not a description as in doc/formats.md, no such tool, can't be written
-    """
-    ...
-
-class SyntheticScene:
-    """A synthetic scene with exact truth: tools moving over textured tissue, seen by an endoscope.
-
-    The built-in sequence of tests and demonstration. Tools are lit by the endoscope's own light; the image has vignette,
-    noise and, if the camera has it, distortion. The recorded joints carry bias, drift and noise, and the recorded hand-eye
-    calibration is wrong. Everything follows from the seed.
-    """
-    class Params:
-        def __init__(self) -> None: ...
-        tools: int
-        """1..4"""
-        frames: int
-        """length; the motion is periodic in it"""
-        seed: int
-        imageSize: Tuple[int, int]
-        """[pixel]; write() needs an even width and height"""
-        fps: float
-        handEyeRotation: float
-        """error of the recorded hand-eye calibration [rad]"""
-        handEyeTranslation: float
-        """the same [m], at the tool"""
-        jointNoise: float
-        """scale of the joint errors: 1 = 0.006 rad and 0.6 mm at the arm, 0.02 rad at the wrist, 0.03 rad at the jaw; 0 = exact"""
-        imageNoise: float
-        """standard deviation of the sensor noise [grey levels]"""
-        distortion: bool
-        """lens distortion (k1 = -0.2) or a pinhole"""
-        stereo: bool
-        """a right image, 5.2 mm beside the left one"""
-
-    @staticmethod
-    def create(model: Optional[ToolModel] = ..., params: SyntheticScene.Params = ...) -> SyntheticScene:
-        """A scene from its seed.
-
-        model: the tool all arms carry; empty = ToolModel.needleDriver(); needs the coordinates q1..q6 and jaw
-        params: options
-        """
-        ...
-    def toolCount(self) -> int:
-        """Number of arms."""
-        ...
-    def frameCount(self) -> int:
-        """Params.frames."""
-        ...
-    def model(self) -> ToolModel:
-        """The tool that all arms carry."""
-        ...
-    def camera(self, right: bool = ...) -> CameraModel:
-        """One of the cameras.
-
-        right: the right one of a stereo scene
-        """
-        ...
-    def right_T_left(self) -> NDArray[np.float64]:
-        """Pose of the left camera in the frame of the right one [m]."""
-        ...
-    def nominal_T_base(self, tool: int) -> NDArray[np.float64]:
-        """The recorded, wrong, hand-eye calibration of an arm."""
-        ...
-    def camera_T_base(self, tool: int) -> NDArray[np.float64]:
-        """The true hand-eye calibration of an arm (left camera)."""
-        ...
-    def trueJoints(self, tool: int, time: float) -> NDArray[np.float64]:
-        """True joints at a time [s]: one value per coordinate [rad or m]."""
-        ...
-    def recordedJoints(self, tool: int, time: float) -> NDArray[np.float64]:
-        """Joints at a time [s] as the robot reads them: one value per coordinate [rad or m]."""
-        ...
-    def truePose(self, tool: int, time: float) -> NDArray[np.float64]:
-        """camera_T_tool, exact (left camera).
-
-        tool: index
-        time: [s]
-        """
-        ...
-    def render(self, frame: int, image: Optional[NDArray[Any]] = ..., right: bool = ...) -> NDArray[Any]:
-        """Draws a frame.
-
-        frame: number, 0 <= frame
-        image: CV_8UC3, BGR
-        right: the right eye of a stereo scene
-        """
-        ...
-    def renderArms(self, frame: int, joints: _Sequence[Union[_Sequence[float], NDArray[np.float64]]], camera_T_base: Union[_Sequence[NDArray[np.float64]], NDArray[np.float64]], image: Optional[NDArray[Any]] = ..., right: bool = ...) -> NDArray[Any]:
-        """Draws a frame with arms that stand or move otherwise: as after a knock against the camera, or with one more arm.
-
-        frame: number, 0 <= frame; decides the sensor noise
-        joints: per arm the true joints, one value per coordinate [rad or m]; any number of arms
-        camera_T_base: per arm its base (left camera)
-        image: CV_8UC3, BGR
-        right: the right eye of a stereo scene
-        Raises cv2.error for vectors of different lengths, and for more links than a MeshRenderer can tell apart
-        """
-        ...
-    def write(self, folder: str) -> None:
-        """Writes the scene as a sequence folder: sequence.yaml, video, kinematics.csv (100 Hz), groundtruth.csv,
-        keypoints.csv, and the tool file with its meshes.
-
-        folder: is made if it does not exist
-        Raises cv2.error naming the file that can't be written
-        """
-        ...
 
 class ToolParts:
     """What the kinematics of a robot do not say of a tool: its shape, and the points to look for."""
@@ -2078,15 +2153,6 @@ def importUrdfTool(filename: str, parts: ToolParts = ...) -> ToolModel:
     Raises cv2.error (StsNotImplemented) if the module was built without urdfdom
     """
     ...
-
-class CameraPair:
-    """Cameras of an endoscope with one or two eyes."""
-    def __init__(self) -> None: ...
-    left: CameraModel
-    right: CameraModel
-    """image size 0 x 0 if there is one eye only"""
-    right_T_left: NDArray[np.float64]
-    """maps the left camera's frame to the right's [m]"""
 
 def importCameraInfo(files: _Sequence[str]) -> CameraPair:
     """Cameras from ROS calibration files (`camera_info` YAML, as camera_calibration writes them).
@@ -2171,38 +2237,6 @@ def importSurgPoseKeypoints(labels: str, csv: str, keypoints: _Sequence[str] = .
     keypoints: `NUMBER:NAME` each, the number as in the file; empty: all, by their number
     tools: `PSM1:NAME` and `PSM3:NAME`; empty: both, by these names
     Returns: number of points
-    """
-    ...
-
-def writeSequenceCameras(folder: str, cameras: CameraPair, leftVideo: str = ..., rightVideo: str = ..., fps: float = ...) -> None:
-    """Puts cameras into a folder's sequence.yaml, which is made if it does not exist; all else in it is kept, but for comments.
-
-    folder: of the sequence; is made if it does not exist
-    cameras: one eye or two
-    leftVideo: path for the key `left.video`; empty: that stays as it is, or `left.mp4`
-    rightVideo: the same of the right eye
-    fps: frames per second; 0: stays as it is, or is missing
-    """
-    ...
-
-def writeSequenceTool(folder: str, name: str, model: str, nominal_T_base: NDArray[np.float64]) -> None:
-    """Puts a tool into a folder's sequence.yaml, in the place of the one of this name, or at the end.
-
-    folder: of the sequence; is made if it does not exist
-    name: as in the CSV files
-    model: path of the tool file, for the key `model`; empty: stays as it is
-    nominal_T_base: the hand-eye calibration, key `camera_T_base`
-    """
-    ...
-
-def writeSequenceJoints(folder: str, name: str, coordinates: _Sequence[str], times: Union[_Sequence[float], NDArray[np.float64]], joints: NDArray[Any]) -> None:
-    """Puts a tool's joint readings into a folder's kinematics.csv, in the place of those of this name.
-
-    folder: of the sequence; is made if it does not exist
-    name: of the tool
-    coordinates: names of the columns; other tools in the file must have the same
-    times: rising, on the clock on which frame k is at k / fps [s]
-    joints: N x C CV_64F, a row a time [rad or m]
     """
     ...
 
@@ -2309,4 +2343,105 @@ class ClockOffset:
         ...
     def offset(self) -> float:
         """What to add to a time of the sender's clock to have it on this one [s]: the least arrival - stamp. 0 without a message."""
+        ...
+
+class SceneView:
+    """A view of camera, image and tools from outside, by VTK / OpenGL.
+
+    It shows the camera's axes (x red, y green, z blue) and its field of view up to a plane behind the tools, with the image on it, undistorted
+    by being drawn where its pixels look; the tools; and paths, such as those of their tips. Everything is in the camera frame.
+    """
+    @staticmethod
+    def create(camera: CameraModel, size: Tuple[int, int] = ..., window: bool = ...) -> SceneView:
+        """camera: whose frame and image it is
+        size: of the pictures [pixel]
+        window: false: off screen, through an X server if DISPLAY names one, else X-free through EGL; true: in a window for show()
+        Raises cv2.error (StsNotImplemented) if there is neither; with a window, if there is no display
+        """
+        ...
+    def setViewpoint(self, viewer: Tuple[float, float, float], centre: Tuple[float, float, float]) -> None:
+        """Where the scene is seen from; by default from behind, above and right of the camera, so that the tools of the first draw() are
+        in the middle.
+
+        viewer: where the viewer is, in the camera frame [m]
+        centre: what is in the middle of the picture [m]; another place
+        """
+        ...
+    def draw(self, image: NDArray[Any], tools: _Sequence[DrawnTool], paths: _Sequence[NDArray[Any]], picture: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
+        """Draws the scene anew.
+
+        image: of the camera, CV_8UC1 or CV_8UC3 of its size; empty: the frame of its field of view alone
+        tools: their poses and looks; one with an opacity below 1 is seen through
+        paths: N x 3 points each, floating [m], in the colours of the tools of the same index
+        picture: CV_8UC3 of the view's size
+        """
+        ...
+    def show(self, seconds: float = ...) -> None:
+        """Lets the user look at the last drawing: the left button turns, the wheel comes nearer, `q` or closing the window ends it.
+
+        seconds: ends it too; 0 = never
+        Raises cv2.error if there is no window
+        """
+        ...
+
+class PoseScore:
+    """How good the poses of one tool are, measured against the truth."""
+    def __init__(self) -> None: ...
+    @property
+    def frames(self) -> int:
+        """with truth"""
+        ...
+    @property
+    def covered(self) -> int:
+        """of these, with a pose that claims to be one: tracking or coasting"""
+        ...
+    @property
+    def translationMean(self) -> float:
+        """distance of the end effector from its true place, over the covered frames [m]; 0 without any"""
+        ...
+    @property
+    def translationStd(self) -> float:
+        """its standard deviation [m]"""
+        ...
+    @property
+    def rotationMean(self) -> float:
+        """angle between estimated and true orientation, over the covered frames [rad]"""
+        ...
+    @property
+    def rotationStd(self) -> float:
+        """its standard deviation [rad]"""
+        ...
+    @property
+    def accuracy(self) -> float:
+        """share of all frames whose end effector is at most 10 pixel off in an image 720 pixel wide (paper, Sec. 3)"""
+        ...
+    @property
+    def silent(self) -> float:
+        """share of all frames that claim to be tracking and are more than 5 mm off"""
+        ...
+
+class PoseScorer:
+    """Compares poses with the truth, as Table 1 of the paper does."""
+    @staticmethod
+    def create(camera: CameraModel, tools: int) -> PoseScorer:
+        """A scorer without poses yet.
+
+        camera: of the image the reprojection error is taken in; its distortion is left out
+        tools: number of tools
+        """
+        ...
+    def add(self, tool: int, state: int, camera_T_tool: NDArray[np.float64], true_camera_T_tool: NDArray[np.float64]) -> None:
+        """Takes in one frame of one tool.
+
+        tool: index
+        state: see TrackingState
+        camera_T_tool: estimate
+        true_camera_T_tool: truth
+        """
+        ...
+    def score(self, tool: int = ...) -> PoseScore:
+        """The score so far.
+
+        tool: index; -1 = all tools together
+        """
         ...

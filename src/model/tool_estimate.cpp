@@ -7,6 +7,8 @@
 
 namespace cv { namespace surgtrack {
 
+PartMatch::PartMatch() : tool(0), part(0), similarity(0), templateIndex(0) {}
+
 String stateName(int state)
 {
     static const char* names[] = {"initializing", "tracking", "coasting", "lost"};

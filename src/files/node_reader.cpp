@@ -1,0 +1,119 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "base/geometry.hpp"
+#include "files/node_reader.hpp"
+
+namespace cv { namespace surgtrack {
+
+String besideFile(const String& filename, const String& path)
+{
+    const bool absolute = path[0] == '/' || path[0] == '\\' || path.find(':') == 1;
+    return absolute ? path : filename.substr(0, filename.find_last_of("/\\") + 1) + path;
+}
+
+void NodeReader::fail(const String& what, int code) const
+{
+    CV_Error(code, filename_ + ": " + (path_.empty() ? "" : "key " + path_ + ": ") + what);
+}
+
+void NodeReader::expected(const String& what) const
+{
+    fail((isThere() ? "expected " : "missing, expected ") + what);
+}
+
+NodeReader NodeReader::operator[](const String& key) const
+{
+    return NodeReader(filename_, node_.isMap() ? node_[key] : FileNode(), path_.empty() ? key : path_ + "." + key);
+}
+
+const NodeReader& NodeReader::map(const std::set<String>& keys) const
+{
+    if (!node_.isMap())
+        expected("a map");
+    std::set<String> seen;
+    for (FileNodeIterator it = node_.begin(); it != node_.end(); ++it)
+    {
+        const String key = (*it).name();
+        if (!keys.count(key))
+        {
+            String known;
+            for (std::set<String>::const_iterator k = keys.begin(); k != keys.end(); ++k)
+                known += (known.empty() ? "" : ", ") + *k;
+            (*this)[key].fail("unknown key, expected one of: " + known);
+        }
+        if (!seen.insert(key).second)
+            (*this)[key].fail("expected once, found twice");
+    }
+    return *this;
+}
+
+std::vector<NodeReader> NodeReader::sequence() const
+{
+    if (!node_.isSeq())
+        expected("a sequence");
+    std::vector<NodeReader> items;
+    for (FileNodeIterator it = node_.begin(); it != node_.end(); ++it)
+        items.push_back(NodeReader(filename_, *it, path_ + format("[%d]", (int)items.size())));
+    return items;
+}
+
+String NodeReader::text(const char* what) const
+{
+    if (!node_.isString() || ((String)node_).empty())
+        expected(what);
+    return (String)node_;
+}
+
+String NodeReader::path(const char* what) const
+{
+    return besideFile(filename_, text(what));
+}
+
+double NodeReader::number() const
+{
+    if ((!node_.isReal() && !node_.isInt()) || !(std::abs((double)node_) < DBL_MAX))
+        expected("a finite number");
+    return (double)node_;
+}
+
+int NodeReader::count(const char* what) const
+{
+    if (!node_.isInt() || (int)node_ <= 0)
+        expected(what);
+    return (int)node_;
+}
+
+Mat NodeReader::matrix(const char* what) const
+{
+    Mat m;
+    String reason;
+    try
+    {
+        if (node_.isMap())
+            node_ >> m;
+    }
+    catch (const Exception& e)
+    {
+        reason = " (" + e.err + ")";
+    }
+    if (!node_.isMap() || !reason.empty() || m.channels() != 1)
+        expected(what + reason);
+    m.convertTo(m, CV_64F);
+    return m;
+}
+
+Matx44d NodeReader::rigid() const
+{
+    const Mat m = matrix("a 4x4 matrix of numbers");
+    if (m.size() != Size(4, 4))
+        expected(format("a 4x4 opencv-matrix, found %dx%d", m.rows, m.cols));
+    const Matx44d T(m.ptr<double>());
+    if (!isRigid(T))
+        expected("a rigid transform: finite, rotation orthonormal and right-handed, translation [m], last row 0 0 0 1");
+    return T;
+}
+
+}} // namespace cv::surgtrack

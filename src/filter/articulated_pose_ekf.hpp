@@ -1,0 +1,108 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_SRC_FILTER_ARTICULATED_POSE_EKF_HPP
+#define OPENCV_SURGTRACK_SRC_FILTER_ARTICULATED_POSE_EKF_HPP
+
+#include <Eigen/Dense>
+#include "opencv2/surgtrack/articulated_pose_ekf.hpp"
+
+// x      error of the state: (omega [rad], v [m], d [rad or m])
+// P, Q   covariance of the error, of the process noise
+// h, r   a measurement's row dh / dx, and its innovation
+// A, b   information of all measurements: sum of h h^T / sigma^2, sum of h r / sigma^2
+
+namespace cv { namespace surgtrack {
+
+const int maxStates = ArticulatedPoseEKF::MAX_STATES;
+// Bounded: no memory is taken. Not aligned: members of objects on the heap, where C++11 promises 16 bytes only.
+typedef Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign, maxStates, 1> Vector;
+typedef Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::DontAlign, maxStates, maxStates> Matrix;
+
+typedef Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, maxStates> Rows2;
+typedef Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, maxStates> Rows3;
+
+// ArticulatedPoseEKF::Belief, to calculate with
+struct Estimate
+{
+    Matx44d correction;
+    std::vector<double> offsets;
+    Matrix P;
+    Point3d centre;
+    bool placed;
+    double nis;
+};
+
+//! Standard deviations that are added to P.
+void checkGrowth(double rotation, double translation);
+
+// articulated_pose_ekf.cpp: state and process; articulated_measurements.cpp: points and edges.
+class ArticulatedPoseEKFImpl CV_FINAL : public ArticulatedPoseEKF
+{
+public:
+    ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params);
+
+    void reset(const Matx44d& correction) CV_OVERRIDE;
+    void predict(const std::vector<double>& joints, double growth) CV_OVERRIDE;
+    void inflate(double rotation, double translation) CV_OVERRIDE;
+    void undo() CV_OVERRIDE;
+    void begin() CV_OVERRIDE;
+    int addPoints(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<int>& parts,
+                  const std::vector<Point2d>& imagePoints, std::vector<uchar>& used, const std::vector<double>& noise,
+                  double tolerance) CV_OVERRIDE;
+    int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points,
+                   double tolerance) CV_OVERRIDE;
+    double surprise(double rotation, double translation) const CV_OVERRIDE;
+    bool solve() CV_OVERRIDE;
+    State state() const CV_OVERRIDE;
+    void setState(const State& state) CV_OVERRIDE;
+    void setHandEye(const Matx44d& nominal_T_base) CV_OVERRIDE;
+    void moveCamera(const Matx44d& now_T_before) CV_OVERRIDE;
+    const ToolView& view() const CV_OVERRIDE { return view_; }
+    Matx44d correction() const CV_OVERRIDE { return state_.correction; }
+    const std::vector<double>& offsets() const CV_OVERRIDE { return state_.offsets; }
+    const std::vector<double>& joints() const CV_OVERRIDE { return corrected_; }
+    Mat covariance() const CV_OVERRIDE;
+    double nis() const CV_OVERRIDE { return state_.nis; }
+    Matx22d imageCovariance(const CameraModel& camera, const Matx44d& eye_T_camera, int part) const CV_OVERRIDE;
+    Matx66d poseCovariance() const CV_OVERRIDE;
+
+private:
+    struct Axis
+    {
+        int state;           // index of the offset in x
+        Point3d direction, origin;   // in the camera frame; direction times the joint's scale
+        bool revolute;
+    };
+
+    void place();
+    bool row(const CameraModel& camera, const Matx44d& eye_T_camera, int link, const Point3d& linkPoint, Point2d& imagePoint,
+             Rows2& H) const;
+    void motion(int link, const Point3d& p, Rows3& D) const;
+    bool posterior(const Matrix& P, Vector& x, Matrix& result) const;
+    void apply(const Vector& x);
+
+    Ptr<ToolModel> model_;
+    Matx44d nominal_T_base_;
+    Params params_;
+    std::vector<int> stateOf_;        // of a coordinate: index in x, or -1
+    std::vector<double> deviations_;  // of a coordinate
+    std::vector<uchar> isJaw_;        // of a coordinate
+    int n_;                           // of the state
+    std::vector<double> joints_;      // readings of this frame
+    std::vector<double> corrected_;
+    ToolView view_;
+    std::vector<std::vector<Axis> > axes_;   // of a link: the joints that move it
+    Estimate state_, predicted_;
+
+    Matrix A_;
+    Vector b_;
+    double square_;                   // sum of r^2 / sigma^2
+    int rows_;
+    Vector moved_;                    // x of the state since predict()
+};
+
+}} // namespace cv::surgtrack
+
+#endif
