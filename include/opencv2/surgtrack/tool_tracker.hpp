@@ -41,17 +41,17 @@ struct CV_EXPORTS_W_SIMPLE ToolEstimate
 {
     CV_WRAP ToolEstimate();
 
-    CV_PROP int state;                   //!< see cv::surgtrack::TrackingState
-    CV_PROP Matx44d camera_T_tool;       //!< pose of the end effector in the camera frame [m]
-    CV_PROP Matx44d camera_T_nominal;    //!< the correction of the hand-eye calibration
-    CV_PROP Matx66d covariance;          //!< of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame; zero with METHOD_EPNP
-    CV_PROP std::vector<double> jointOffsets;   //!< METHOD_FULL: one per coordinate, what is added to the reading [rad or m], and 0 where ToolModel::offsetDeviations() is; else zeros
-    CV_PROP int visibleParts;            //!< parts that had a template, in the left image
-    CV_PROP int inliers;                 //!< matches in the left image that agreed on the geometric context and went into the pose; 0 if nothing was measured, or METHOD_FULL followed the outline alone
-    CV_PROP double similarity;           //!< mean similarity of the inliers, 0..1; 0 without inliers
-    CV_PROP double contourSupport;       //!< METHOD_FULL: share of the visible outline, in both eyes, whose strongest edge within 6 px is at most 1.5 px off (pixels at 720 px width), 0..1; else 0. Of the last pose that was looked at, also if it was not believed
-    CV_PROP double nis;                  //!< of the inliers, normalised innovation squared per degree of freedom; about 1 if image points are as bad as the filter takes them for, less if they are better; 0 with METHOD_EPNP and without inliers
-    CV_PROP std::vector<PartMatch> matches;   //!< the inliers
+    CV_PROP_RW int state;                   //!< see cv::surgtrack::TrackingState
+    CV_PROP_RW Matx44d camera_T_tool;       //!< pose of the end effector in the camera frame [m]
+    CV_PROP_RW Matx44d camera_T_nominal;    //!< the correction of the hand-eye calibration
+    CV_PROP_RW Matx66d covariance;          //!< of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame; zero with METHOD_EPNP
+    CV_PROP_RW std::vector<double> jointOffsets;   //!< METHOD_FULL: one per coordinate, what is added to the reading [rad or m], and 0 where ToolModel::offsetDeviations() is; else zeros
+    CV_PROP_RW int visibleParts;            //!< parts that had a template, in the left image
+    CV_PROP_RW int inliers;                 //!< matches in the left image that agreed on the geometric context and went into the pose; 0 if nothing was measured, or METHOD_FULL followed the outline alone
+    CV_PROP_RW double similarity;           //!< mean similarity of the inliers, 0..1; 0 without inliers
+    CV_PROP_RW double contourSupport;       //!< METHOD_FULL: share of the visible outline, in both eyes, whose strongest edge within 6 px is at most 1.5 px off (pixels at 720 px width), 0..1; else 0. Of the last pose that was looked at, also if it was not believed
+    CV_PROP_RW double nis;                  //!< of the inliers, normalised innovation squared per degree of freedom; about 1 if image points are as bad as the filter takes them for, less if they are better; 0 with METHOD_EPNP and without inliers
+    CV_PROP_RW std::vector<PartMatch> matches;   //!< the inliers
 };
 
 /** @brief How long a stage of ToolTracker::update() takes. A frame is one sample: the sum over all tools and eyes, 0 if the stage was not reached. */
@@ -59,12 +59,12 @@ struct CV_EXPORTS_W_SIMPLE StageTime
 {
     CV_WRAP StageTime();
 
-    CV_PROP String name;   //!< `render`, `image`, `match`, `verify`, `filter`, `contour` (METHOD_FULL) or `total`, all of update()
-    CV_PROP int calls;     //!< frames; without any, the times are 0
-    CV_PROP double last;   //!< of the last frame [s]
-    CV_PROP double mean;   //!< [s]
-    CV_PROP double min;    //!< [s]
-    CV_PROP double max;    //!< [s]
+    CV_PROP_RW String name;   //!< `render`, `image`, `match`, `verify`, `filter`, `contour` (METHOD_FULL) or `total`, all of update()
+    CV_PROP_RW int calls;     //!< frames; without any, the times are 0
+    CV_PROP_RW double last;   //!< of the last frame [s]
+    CV_PROP_RW double mean;   //!< [s]
+    CV_PROP_RW double min;    //!< [s]
+    CV_PROP_RW double max;    //!< [s]
 };
 
 /** @brief Finds the pose of articulated tools in the camera from video and joint readings.

@@ -985,78 +985,44 @@ def stateName(state: int) -> str:
 class ToolEstimate:
     """The tracker's answer for one tool and one frame."""
     def __init__(self) -> None: ...
-    @property
-    def state(self) -> int:
-        """see TrackingState"""
-        ...
-    @property
-    def camera_T_tool(self) -> NDArray[np.float64]:
-        """pose of the end effector in the camera frame [m]"""
-        ...
-    @property
-    def camera_T_nominal(self) -> NDArray[np.float64]:
-        """the correction of the hand-eye calibration"""
-        ...
-    @property
-    def covariance(self) -> NDArray[np.float64]:
-        """of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame; zero with METHOD_EPNP"""
-        ...
-    @property
-    def jointOffsets(self) -> NDArray[np.float64]:
-        """METHOD_FULL: one per coordinate, what is added to the reading [rad or m], and 0 where ToolModel.offsetDeviations() is; else zeros"""
-        ...
-    @property
-    def visibleParts(self) -> int:
-        """parts that had a template, in the left image"""
-        ...
-    @property
-    def inliers(self) -> int:
-        """matches in the left image that agreed on the geometric context and went into the pose; 0 if nothing was measured, or METHOD_FULL followed the outline alone"""
-        ...
-    @property
-    def similarity(self) -> float:
-        """mean similarity of the inliers, 0..1; 0 without inliers"""
-        ...
-    @property
-    def contourSupport(self) -> float:
-        """METHOD_FULL: share of the visible outline, in both eyes, whose strongest edge within 6 px is at most 1.5 px off (pixels at 720 px width), 0..1; else 0. Of the last pose that was looked at, also if it was not believed"""
-        ...
-    @property
-    def nis(self) -> float:
-        """of the inliers, normalised innovation squared per degree of freedom; about 1 if image points are as bad as the filter takes them for, less if they are better; 0 with METHOD_EPNP and without inliers"""
-        ...
-    @property
-    def matches(self) -> Tuple[PartMatch, ...]:
-        """the inliers"""
-        ...
+    state: int
+    """see TrackingState"""
+    camera_T_tool: NDArray[np.float64]
+    """pose of the end effector in the camera frame [m]"""
+    camera_T_nominal: NDArray[np.float64]
+    """the correction of the hand-eye calibration"""
+    covariance: NDArray[np.float64]
+    """of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame; zero with METHOD_EPNP"""
+    jointOffsets: NDArray[np.float64]
+    """METHOD_FULL: one per coordinate, what is added to the reading [rad or m], and 0 where ToolModel.offsetDeviations() is; else zeros"""
+    visibleParts: int
+    """parts that had a template, in the left image"""
+    inliers: int
+    """matches in the left image that agreed on the geometric context and went into the pose; 0 if nothing was measured, or METHOD_FULL followed the outline alone"""
+    similarity: float
+    """mean similarity of the inliers, 0..1; 0 without inliers"""
+    contourSupport: float
+    """METHOD_FULL: share of the visible outline, in both eyes, whose strongest edge within 6 px is at most 1.5 px off (pixels at 720 px width), 0..1; else 0. Of the last pose that was looked at, also if it was not believed"""
+    nis: float
+    """of the inliers, normalised innovation squared per degree of freedom; about 1 if image points are as bad as the filter takes them for, less if they are better; 0 with METHOD_EPNP and without inliers"""
+    matches: Tuple[PartMatch, ...]
+    """the inliers"""
 
 class StageTime:
     """How long a stage of ToolTracker.update() takes. A frame is one sample: the sum over all tools and eyes, 0 if the stage was not reached."""
     def __init__(self) -> None: ...
-    @property
-    def name(self) -> str:
-        """`render`, `image`, `match`, `verify`, `filter`, `contour` (METHOD_FULL) or `total`, all of update()"""
-        ...
-    @property
-    def calls(self) -> int:
-        """frames; without any, the times are 0"""
-        ...
-    @property
-    def last(self) -> float:
-        """of the last frame [s]"""
-        ...
-    @property
-    def mean(self) -> float:
-        """[s]"""
-        ...
-    @property
-    def min(self) -> float:
-        """[s]"""
-        ...
-    @property
-    def max(self) -> float:
-        """[s]"""
-        ...
+    name: str
+    """`render`, `image`, `match`, `verify`, `filter`, `contour` (METHOD_FULL) or `total`, all of update()"""
+    calls: int
+    """frames; without any, the times are 0"""
+    last: float
+    """of the last frame [s]"""
+    mean: float
+    """[s]"""
+    min: float
+    """[s]"""
+    max: float
+    """[s]"""
 
 class ToolTracker:
     """Finds the pose of articulated tools in the camera from video and joint readings.
@@ -1503,38 +1469,22 @@ class PoseWriter:
 class PoseScore:
     """How good the poses of one tool are, measured against the truth."""
     def __init__(self) -> None: ...
-    @property
-    def frames(self) -> int:
-        """with truth"""
-        ...
-    @property
-    def covered(self) -> int:
-        """of these, with a pose that claims to be one: tracking or coasting"""
-        ...
-    @property
-    def translationMean(self) -> float:
-        """distance of the end effector from its true place, over the covered frames [m]; 0 without any"""
-        ...
-    @property
-    def translationStd(self) -> float:
-        """its standard deviation [m]"""
-        ...
-    @property
-    def rotationMean(self) -> float:
-        """angle between estimated and true orientation, over the covered frames [rad]"""
-        ...
-    @property
-    def rotationStd(self) -> float:
-        """its standard deviation [rad]"""
-        ...
-    @property
-    def accuracy(self) -> float:
-        """share of all frames whose end effector is at most 10 pixel off in an image 720 pixel wide (paper, Sec. 3)"""
-        ...
-    @property
-    def silent(self) -> float:
-        """share of all frames that claim to be tracking and are more than 5 mm off"""
-        ...
+    frames: int
+    """with truth"""
+    covered: int
+    """of these, with a pose that claims to be one: tracking or coasting"""
+    translationMean: float
+    """distance of the end effector from its true place, over the covered frames [m]; 0 without any"""
+    translationStd: float
+    """its standard deviation [m]"""
+    rotationMean: float
+    """angle between estimated and true orientation, over the covered frames [rad]"""
+    rotationStd: float
+    """its standard deviation [rad]"""
+    accuracy: float
+    """share of all frames whose end effector is at most 10 pixel off in an image 720 pixel wide (paper, Sec. 3)"""
+    silent: float
+    """share of all frames that claim to be tracking and are more than 5 mm off"""
 
 class PoseScorer:
     """Compares poses with the truth, as Table 1 of the paper does."""
