@@ -636,7 +636,7 @@ class surgtrack_test(NewOpenCVTests):
         self.assertTrue(np.isfinite(estimate.nis))
         tool = estimate.camera_T_nominal.dot(scene.nominal_T_base(0)).dot(scene.model().endEffectorPose(joints))
         np.testing.assert_allclose(estimate.camera_T_tool, tool, atol=1e-9)   # the chain of transforms
-        self.assertLess(scorer.score().translationMean, 0.004)   # the calibration is 6 mm off
+        self.assertLess(scorer.score().translationMean, 0.0016)   # measured: 0.82 mm; the calibration is 6 mm off
         times = tracker.getTimings()
         self.assertEqual([t.name for t in times], ['render', 'image', 'match', 'verify', 'filter', 'contour', 'total'])
         for t in times:
@@ -683,6 +683,7 @@ class surgtrack_test(NewOpenCVTests):
         values = self.values()
         self.assertEqual(values[0].state, st.STATE_TRACKING)
         self.assertGreater(len(values[0].matches), 4)
+        self.assert_same(self.values()[0], values[0])   # the same input, the same estimate
         for value in values + [type(value)() for value in values]:
             for copied in [copy.copy(value), copy.deepcopy(value)] + [pickle.loads(pickle.dumps(value, p)) for p in range(pickle.HIGHEST_PROTOCOL + 1)]:
                 self.assertIsNot(copied, value)
@@ -807,7 +808,7 @@ class surgtrack_test(NewOpenCVTests):
             corrected[6] = max(corrected[6], min(np.ravel(joints)[6], 0))   # the jaw's stop
             tool = estimate.camera_T_nominal.dot(scene.nominal_T_base(0)).dot(scene.model().endEffectorPose(corrected))
             np.testing.assert_allclose(estimate.camera_T_tool, tool, atol=1e-9)   # the chain of transforms
-            self.assertLess(scorer.score().translationMean, 0.004)   # the calibration is 6 mm off
+            self.assertLess(scorer.score().translationMean, 0.0004 if eyes == 1 else 0.0003)   # measured: 0.21 and 0.15 mm; the calibration is 6 mm off
         with self.assertRaises(cv.error):   # no right camera is known
             st.ToolTracker.create(scene.camera(), params).updateStereo(image, image, 0., [])
 
