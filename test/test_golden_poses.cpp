@@ -98,4 +98,32 @@ TEST_P(SurgTrack_GoldenPoses, areAsGoodAsTheyWere)
 
 INSTANTIATE_TEST_CASE_P(All, SurgTrack_GoldenPoses, testing::Range(0, int(WAYS)), WayNames());
 
+// Of later frames scoresOf() says it.
+TEST(SurgTrack_Tracker, firstFramesHaveNoMoreInliersThanVisibleParts)
+{
+    for (int seed = 1; seed <= 4; seed++)
+    {
+        SyntheticScene::Params params = scene(seed, 1 + seed % 2, Size(480, 384), seed > 2);
+        params.stereo = true;
+        const Recording r(params, 0);
+        for (int frame = 0; frame <= 18; frame += 6)
+        {
+            Mat left, right;
+            r.scene->render(frame, left);
+            r.scene->render(frame, right, true);
+            for (int way = 0; way < 2; way++)
+            {
+                Estimates estimates;
+                if (way == 0) r.tracker()->update(left, r.time(frame), r.joints(frame), estimates);
+                else r.stereoTracker()->updateStereo(left, right, r.time(frame), r.joints(frame), estimates);
+                for (const ToolEstimate& e : estimates)
+                {
+                    EXPECT_LE(e.inliers, e.visibleParts) << "seed " << seed << ", frame " << frame << (way ? ", both eyes" : "");
+                    EXPECT_EQ(e.inliers, int(e.matches.size()));
+                }
+            }
+        }
+    }
+}
+
 }} // namespace

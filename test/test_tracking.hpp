@@ -157,6 +157,7 @@ inline std::vector<Score> scoresOf(const Recording& r, ToolTracker& tracker, Eye
         EXPECT_EQ(size_t(tools), estimates.size());
         for (int i = 0; i < tools; i++)
         {
+            EXPECT_LE(estimates[i].inliers, estimates[i].visibleParts) << "frame " << frame << ", tool " << i;
             scores[i].add(estimates[i], r.scene->truePose(i, r.time(frame)), r.nominalPose(i, frame));
             scores[tools].add(estimates[i], r.scene->truePose(i, r.time(frame)), r.nominalPose(i, frame));
         }
