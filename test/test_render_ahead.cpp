@@ -129,6 +129,18 @@ TEST_P(SurgTrack_RenderAheadMethods, drawnForTheFrameItselfItChangesNothing)
     EXPECT_EQ(0, cv::norm(a.camera_T_tool - b.camera_T_tool, NORM_INF));
 }
 
+TEST(SurgTrack_RenderAhead, isUsedWhereReadingsHaveOffsets)
+{
+    for (int seed = 1; seed <= 2; seed++)
+    {
+        const Recording r(scene(seed, 2, Size(480, 384)), 12);
+        Ptr<ToolTracker> without = r.tracker(), ahead = r.tracker();
+        bool used = false;
+        for (int frame = 0; frame < r.frames(); frame++) used = !same(r.update(*without, frame), updateAhead(r, *ahead, frame)) || used;
+        EXPECT_TRUE(used) << seed;
+    }
+}
+
 TEST_P(SurgTrack_RenderAheadMethods, templatesAreMovedToWhereTheToolIsOrNotUsed)
 {
     const Recording& r = common();
