@@ -187,19 +187,26 @@ TEST(SurgTrack_Allocations, theVerifierTakesNone)
 // Frames of a scene, played to and fro.
 struct Player
 {
-    Player(Size size, int tools, bool _ahead) : shown(0), frames(6), ahead(_ahead)
+    Player(int method, Size size, int tools, bool _ahead, bool _stereo) : shown(0), frames(6), ahead(_ahead), stereo(_stereo)
     {
         SyntheticScene::Params params;
         params.imageSize = size;
         params.tools = tools;
+        params.stereo = stereo;
         scene = SyntheticScene::create(needleDriver(), params);
-        tracker = ToolTracker::create(scene->camera());
+        ToolTracker::Params tracking;
+        tracking.method = method;
+        tracking.jointOffsets = !ahead;   // else what is drawn ahead is not used: see test_render_ahead.cpp
+        tracker = ToolTracker::create(scene->camera(), tracking);
+        if (stereo) tracker->setRightCamera(scene->camera(true), scene->right_T_left());
         for (int i = 0; i < tools; i++) tracker->addTool(scene->model(), scene->nominal_T_base(i));
         images.resize(frames);
+        rightImages.resize(frames);
         joints.resize(frames);
         for (int frame = 0; frame < frames; frame++)
         {
             scene->render(frame, images[frame]);
+            if (stereo) scene->render(frame, rightImages[frame], true);
             for (int i = 0; i < tools; i++) joints[frame].push_back(scene->recordedJoints(i, frame / params.fps));
         }
     }
@@ -212,16 +219,18 @@ struct Player
 
     void next()
     {
+        const int k = frame(shown);
         if (ahead) tracker->renderAhead(joints[frame(shown + 1)]);
-        tracker->update(images[frame(shown)], shown / 25., joints[frame(shown)], estimates);
+        if (stereo) tracker->updateStereo(images[k], rightImages[k], shown / 25., joints[k], estimates);
+        else tracker->update(images[k], shown / 25., joints[k], estimates);
         shown++;
     }
 
     int shown, frames;
-    bool ahead;
+    bool ahead, stereo;
     Ptr<SyntheticScene> scene;
     Ptr<ToolTracker> tracker;
-    std::vector<Mat> images;
+    std::vector<Mat> images, rightImages;
     std::vector<std::vector<std::vector<double> > > joints;
     std::vector<ToolEstimate> estimates;
 };
@@ -229,15 +238,17 @@ struct Player
 TEST(SurgTrack_Allocations, theTrackerTakesNone)
 {
     skipWithoutCounting();
-    const Size sizes[] = {Size(720, 576), Size(1440, 1152)};   // the larger is reduced
-    for (int i = 0; i < 3; i++)
+    const Size plain(720, 576), large(1440, 1152);   // the larger is reduced
+    struct { int method; Size size; bool ahead, stereo; } const cases[] = {
+        {METHOD_FULL, plain, false, false}, {METHOD_FULL, large, false, false}, {METHOD_FULL, plain, true, false},
+        {METHOD_FULL, plain, false, true},  {METHOD_PAPER, plain, true, false}};
+    for (const auto& c : cases)
     {
-        const Size size = sizes[i % 2];
-        Player player(size, 2, i == 2);
+        Player player(c.method, c.size, 2, c.ahead, c.stereo);
         for (int k = 0; k < 40; k++) player.next();
         AllocationCounter counter;
         for (int k = 0; k < 10; k++) player.next();
-        EXPECT_EQ(0, counter.stop()) << size << (player.ahead ? ", drawn ahead" : "");
+        EXPECT_EQ(0, counter.stop()) << c.method << " " << c.size << (player.ahead ? ", drawn ahead" : "") << (player.stereo ? ", both eyes" : "");
         EXPECT_EQ(STATE_TRACKING, player.estimates[0].state);
         EXPECT_EQ(STATE_TRACKING, player.estimates[1].state);
     }

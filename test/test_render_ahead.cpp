@@ -41,13 +41,31 @@ private:
     std::vector<std::thread> threads_;
 };
 
-TEST(SurgTrack_RenderAhead, theEstimatesDoNotDependOnTheSpeedOfTheThreads)
+class SurgTrack_RenderAheadMethods : public testing::TestWithParam<int>
+{
+protected:
+    /* Tools are drawn ahead without joint offsets, and one of more than 0.02 rad, as most of these scenes' tools have, keeps the
+       full method from using what was drawn. Without offsets there is something to test. */
+    Ptr<ToolTracker> trackerOf(const Recording& r) const
+    {
+        ToolTracker::Params p;
+        p.method = GetParam();
+        p.jointOffsets = false;
+        return r.tracker(p);
+    }
+};
+
+INSTANTIATE_TEST_CASE_P(Methods, SurgTrack_RenderAheadMethods, testing::Values(int(METHOD_FULL), int(METHOD_PAPER)), MethodNames());
+
+TEST_P(SurgTrack_RenderAheadMethods, theEstimatesDoNotDependOnTheSpeedOfTheThreads)
 {
     const Recording r(scene(2, 2, Size(480, 384), true), 12);
     std::vector<Estimates> first;
+    Ptr<ToolTracker> without = trackerOf(r);
+    bool used = false;
     for (int run = 0; run < 5; run++)
     {
-        Ptr<ToolTracker> tracker = r.tracker();
+        Ptr<ToolTracker> tracker = trackerOf(r);
         RNG rng(run);
         Ptr<Load> load;
         if (run == 4) load = makePtr<Load>(2);
@@ -65,35 +83,39 @@ TEST(SurgTrack_RenderAhead, theEstimatesDoNotDependOnTheSpeedOfTheThreads)
             const Estimates e = r.update(*tracker, frame);
             if (run > 0) pause(rng);
             if (run == 0) first.push_back(e);
+            if (run == 0) used = !same(r.update(*without, frame), e) || used;
             ASSERT_TRUE(same(first[frame], e)) << "run " << run << ", frame " << frame;
         }
         EXPECT_EQ(STATE_TRACKING, first.back()[0].state);
         EXPECT_EQ(STATE_TRACKING, first.back()[1].state);
     }
+    EXPECT_TRUE(used);
 }
 
-TEST(SurgTrack_RenderAhead, followsAsWellAsWithout)
+TEST_P(SurgTrack_RenderAheadMethods, followsAsWellAsWithout)
 {
     const int seeds[] = {1, 2, 4};
     for (int seed : seeds)
     {
         const Recording r(scene(seed, 2), 25);
-        const Score without = scoreOf(r, *r.tracker());
-        Ptr<ToolTracker> tracker = r.tracker();
-        const Score ahead = scoreOf(r, *tracker, true);
+        const Score without = scoreOf(r, *trackerOf(r));
+        Ptr<ToolTracker> tracker = trackerOf(r);
+        const Score ahead = scoreOf(r, *tracker, AHEAD);
         EXPECT_GE(ahead.covered, without.covered - 1);
         EXPECT_EQ(0, ahead.silent);
         // The corrections a template is drawn with are two frames older, which moves a tool by less than a pixel (0.1 mm) once it is
-        // tracked; what other candidates come of it changes a mean of 25 frames by chance. Measured: -0.23 to -0.04 mm, -0.004 to 0.007 rad.
-        EXPECT_LT(ahead.translation, without.translation + 0.0005);
-        EXPECT_LT(ahead.rotation, without.rotation + 0.02);
+        // tracked; what other candidates come of it changes a mean of 25 frames by chance. Measured: -0.006 to 0.021 mm and up to
+        // 0.0007 rad, of the paper's method -0.12 to 0.30 mm and up to 0.0033 rad.
+        const bool full = GetParam() == METHOD_FULL;
+        EXPECT_LT(ahead.translation, without.translation + (full ? 0.00004 : 0.0005));
+        EXPECT_LT(ahead.rotation, without.rotation + (full ? 0.0013 : 0.0065));
     }
 }
 
-TEST(SurgTrack_RenderAhead, drawnForTheFrameItselfItChangesNothing)
+TEST_P(SurgTrack_RenderAheadMethods, drawnForTheFrameItselfItChangesNothing)
 {
     const Recording& r = common();
-    Ptr<ToolTracker> without = r.tracker(), ahead = r.tracker();
+    Ptr<ToolTracker> without = trackerOf(r), ahead = trackerOf(r);
     for (int frame = 0; frame < 6; frame++) ASSERT_TRUE(same(r.update(*without, frame), r.update(*ahead, frame)));
     ahead->renderAhead(r.joints(6));
     const ToolEstimate a = r.update(*without, 6)[0], b = r.update(*ahead, 6)[0];
@@ -107,7 +129,19 @@ TEST(SurgTrack_RenderAhead, drawnForTheFrameItselfItChangesNothing)
     EXPECT_EQ(0, cv::norm(a.camera_T_tool - b.camera_T_tool, NORM_INF));
 }
 
-TEST(SurgTrack_RenderAhead, templatesAreMovedToWhereTheToolIsOrNotUsed)
+TEST(SurgTrack_RenderAhead, isUsedWhereReadingsHaveOffsets)
+{
+    for (int seed = 1; seed <= 2; seed++)
+    {
+        const Recording r(scene(seed, 2, Size(480, 384)), 12);
+        Ptr<ToolTracker> without = r.tracker(), ahead = r.tracker();
+        bool used = false;
+        for (int frame = 0; frame < r.frames(); frame++) used = !same(r.update(*without, frame), updateAhead(r, *ahead, frame)) || used;
+        EXPECT_TRUE(used) << seed;
+    }
+}
+
+TEST_P(SurgTrack_RenderAheadMethods, templatesAreMovedToWhereTheToolIsOrNotUsed)
 {
     const Recording& r = common();
     const int q1 = r.scene->model()->coordinateIndex("q1"), q4 = r.scene->model()->coordinateIndex("q4");
@@ -119,7 +153,7 @@ TEST(SurgTrack_RenderAhead, templatesAreMovedToWhereTheToolIsOrNotUsed)
         {q4, 0.1, false}};                         // turned about the shaft
     for (size_t c = 0; c < 5; c++)
     {
-        Ptr<ToolTracker> without = r.tracker(), ahead = r.tracker();
+        Ptr<ToolTracker> without = trackerOf(r), ahead = trackerOf(r);
         for (int frame = 0; frame < 6; frame++) ASSERT_TRUE(same(r.update(*without, frame), r.update(*ahead, frame)));
         Joints joints = r.joints(6);
         joints[0][cases[c].joint] += cases[c].off;
@@ -132,19 +166,19 @@ TEST(SurgTrack_RenderAhead, templatesAreMovedToWhereTheToolIsOrNotUsed)
             const ToolModel::Keypoint& k = r.scene->model()->keypoints()[m.part];
             std::vector<Matx44d> base_T_link;
             r.scene->model()->forwardKinematics(r.joints(6)[0], base_T_link);
-            // What is predicted is where the tool is now, with the correction of the frame before; a frame corrects by less than 4 pixels.
+            // What is predicted is where the tool is now, with the correction of the frame before; what a frame corrects is left.
             const Point2d now = r.scene->camera().project(transformed(b[0].camera_T_nominal * r.scene->nominal_T_base(0) * base_T_link[k.link], k.linkPoint));
-            EXPECT_LT(cv::norm(now - m.predictedPoint), 4) << c;
+            EXPECT_LT(cv::norm(now - m.predictedPoint), GetParam() == METHOD_FULL ? 0.6 : 2.7) << c;   // measured: 0.31, 1.4 pixel
         }
-        EXPECT_LT(distance(a[0].camera_T_tool, b[0].camera_T_tool), 0.001) << c;   // measured: 0.2 mm
+        EXPECT_LT(distance(a[0].camera_T_tool, b[0].camera_T_tool), GetParam() == METHOD_FULL ? 0.0001 : 0.00045) << c;   // measured: 0.054, 0.23 mm
     }
 }
 
-TEST(SurgTrack_RenderAhead, startsAndLostToolsDrawThemselves)
+TEST_P(SurgTrack_RenderAheadMethods, startsAndLostToolsDrawThemselves)
 {
     // Before the first frame and after a reset, nothing that is drawn ahead may count.
     const Recording& r = common();
-    Ptr<ToolTracker> without = r.tracker(), ahead = r.tracker();
+    Ptr<ToolTracker> without = trackerOf(r), ahead = trackerOf(r);
     ahead->renderAhead(r.joints(0));
     EXPECT_TRUE(same(r.update(*without, 0), r.update(*ahead, 0)));
     for (int frame = 1; frame < 4; frame++) updateAhead(r, *ahead, frame);
@@ -225,12 +259,12 @@ TEST(SurgTrack_RenderAhead, anErrorOfTheThreadIsThrownByUpdate)
     EXPECT_EQ(1, thrown);
 }
 
-TEST(SurgTrack_RenderAhead, endsCleanlyWithRequestsPending)
+TEST_P(SurgTrack_RenderAheadMethods, endsCleanlyWithRequestsPending)
 {
     const Recording& r = common();
     for (int requests = 1; requests <= 4; requests++)
     {
-        Ptr<ToolTracker> tracker = r.tracker();
+        Ptr<ToolTracker> tracker = trackerOf(r);
         for (int i = 0; i < requests; i++) tracker->renderAhead(r.joints(i));
         if (requests > 2) r.update(*tracker, 0);
         for (int i = 0; i < requests; i++) tracker->renderAhead(r.joints(i));

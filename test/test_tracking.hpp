@@ -20,6 +20,8 @@ struct Recording
     Recording(const SyntheticScene::Params& _params, int frames) : params(_params), scene(SyntheticScene::create(needleDriver(), _params)), images(frames)
     {
         for (int i = 0; i < frames; i++) scene->render(i, images[i]);
+        rightImages.resize(params.stereo ? frames : 0);
+        for (size_t i = 0; i < rightImages.size(); i++) scene->render(int(i), rightImages[i], true);
     }
 
     int frames() const { return int(images.size()); }
@@ -32,11 +34,18 @@ struct Recording
         return result;
     }
 
-    Ptr<ToolTracker> tracker(int method = METHOD_PAPER) const
+    Ptr<ToolTracker> tracker(int method = METHOD_FULL) const
     {
         ToolTracker::Params p;
         p.method = method;
         return tracker(p);
+    }
+
+    Ptr<ToolTracker> stereoTracker(const ToolTracker::Params& p = ToolTracker::Params()) const
+    {
+        Ptr<ToolTracker> result = tracker(p);
+        result->setRightCamera(scene->camera(true), scene->right_T_left());
+        return result;
     }
 
     Ptr<ToolTracker> tracker(const ToolTracker::Params& p) const
@@ -53,9 +62,22 @@ struct Recording
         return result;
     }
 
+    Estimates updateStereo(ToolTracker& tracker, int frame) const
+    {
+        Estimates result;
+        tracker.updateStereo(images[frame], rightImages[frame], time(frame), joints(frame), result);
+        return result;
+    }
+
+    // Without truth: where the robot alone has the end effector.
+    Matx44d nominalPose(int tool, int frame) const
+    {
+        return scene->nominal_T_base(tool) * scene->model()->endEffectorPose(joints(frame)[tool]);
+    }
+
     SyntheticScene::Params params;
     Ptr<SyntheticScene> scene;
-    std::vector<Mat> images;
+    std::vector<Mat> images, rightImages;   // right: of a stereo scene
 };
 
 inline SyntheticScene::Params scene(int seed = 1, int tools = 1, Size size = Size(720, 576), bool distortion = false)
@@ -75,57 +97,101 @@ inline const Recording& common()
     return recording;
 }
 
+// One tool before both eyes.
+inline const Recording& commonStereo()
+{
+    static Ptr<Recording> recording;
+    if (!recording)
+    {
+        SyntheticScene::Params p = scene();
+        p.stereo = true;
+        recording = makePtr<Recording>(p, 25);
+    }
+    return *recording;
+}
+
 struct Score
 {
     Score() : translation(0), rotation(0), kinematics(0), frames(0), covered(0), silent(0) {}
     double translation, rotation;   // means of the frames that claim to know [m], [rad]
     double kinematics;              // mean error without tracking [m]
     int frames, covered, silent;    // silent: `tracking`, and more than 5 mm off
+
+    void add(const ToolEstimate& e, const Matx44d& truth, const Matx44d& nominal)
+    {
+        frames++;
+        kinematics += distance(nominal, truth);
+        if (e.state != STATE_TRACKING && e.state != STATE_COASTING) return;
+        covered++;
+        translation += distance(e.camera_T_tool, truth);
+        rotation += rotationAngle(e.camera_T_tool, truth);
+        silent += e.state == STATE_TRACKING && distance(e.camera_T_tool, truth) > 0.005;
+    }
+
+    void finish()
+    {
+        kinematics /= std::max(1, frames);
+        translation /= std::max(1, covered);
+        rotation /= std::max(1, covered);
+    }
+
+    // To measure bounds anew.
+    void print() const
+    {
+        std::cout << "translation " << translation * 1e3 << " mm, rotation " << rotation << " rad, covered " << covered << " of " << frames << ", silent "
+                  << silent << ", kinematics " << kinematics * 1e3 << " mm" << std::endl;
+    }
 };
 
-// ahead: each frame is drawn while the one before is tracked
-inline Score scoreOf(const Recording& r, ToolTracker& tracker, bool ahead = false)
+enum Eyes { LEFT, AHEAD, BOTH };   // AHEAD: each frame is drawn while the one before is tracked
+
+// One a tool, and all of them together.
+inline std::vector<Score> scoresOf(const Recording& r, ToolTracker& tracker, Eyes eyes = LEFT)
 {
-    Score s;
+    const int tools = r.scene->toolCount();
+    std::vector<Score> scores(tools + 1);
     for (int frame = 0; frame < r.frames(); frame++)
     {
-        if (ahead && frame + 1 < r.frames()) tracker.renderAhead(r.joints(frame + 1));
-        const Estimates estimates = r.update(tracker, frame);
-        const Joints joints = r.joints(frame);
-        EXPECT_EQ(joints.size(), estimates.size());
-        for (int i = 0; i < int(estimates.size()); i++)
+        if (eyes == AHEAD && frame + 1 < r.frames()) tracker.renderAhead(r.joints(frame + 1));
+        const Estimates estimates = eyes == BOTH ? r.updateStereo(tracker, frame) : r.update(tracker, frame);
+        EXPECT_EQ(size_t(tools), estimates.size());
+        for (int i = 0; i < tools; i++)
         {
-            const ToolEstimate& e = estimates[i];
-            const Matx44d truth = r.scene->truePose(i, r.time(frame));
-            s.frames++;
-            s.kinematics += distance(r.scene->nominal_T_base(i) * r.scene->model()->endEffectorPose(joints[i]), truth);
-            if (e.state != STATE_TRACKING && e.state != STATE_COASTING) continue;
-            s.covered++;
-            s.translation += distance(e.camera_T_tool, truth);
-            s.rotation += rotationAngle(e.camera_T_tool, truth);
-            s.silent += e.state == STATE_TRACKING && distance(e.camera_T_tool, truth) > 0.005;
+            EXPECT_LE(estimates[i].inliers, estimates[i].visibleParts) << "frame " << frame << ", tool " << i;
+            scores[i].add(estimates[i], r.scene->truePose(i, r.time(frame)), r.nominalPose(i, frame));
+            scores[tools].add(estimates[i], r.scene->truePose(i, r.time(frame)), r.nominalPose(i, frame));
         }
     }
-    s.kinematics /= s.frames;
-    s.translation /= std::max(1, s.covered);
-    s.rotation /= std::max(1, s.covered);
-    if (std::getenv("SURGTRACK_TEST_PRINT"))   // to measure the bounds anew
-        std::cout << "translation " << s.translation * 1e3 << " mm, rotation " << s.rotation << " rad, covered " << s.covered << " of " << s.frames << ", silent "
-                  << s.silent << ", kinematics " << s.kinematics * 1e3 << " mm" << std::endl;
-    return s;
+    for (Score& s : scores) s.finish();
+    if (std::getenv("SURGTRACK_TEST_PRINT")) scores[tools].print();
+    return scores;
+}
+
+inline Score scoreOf(const Recording& r, ToolTracker& tracker, Eyes eyes = LEFT) { return scoresOf(r, tracker, eyes).back(); }
+
+// All fields, bit for bit.
+inline bool same(const ToolEstimate& a, const ToolEstimate& b)
+{
+    return a.state == b.state && a.camera_T_tool == b.camera_T_tool && a.camera_T_nominal == b.camera_T_nominal && a.covariance == b.covariance
+           && a.jointOffsets == b.jointOffsets && a.visibleParts == b.visibleParts && a.inliers == b.inliers && a.similarity == b.similarity
+           && a.contourSupport == b.contourSupport && a.nis == b.nis && sameMatches(a.matches, b.matches);
 }
 
 inline bool same(const Estimates& a, const Estimates& b)
 {
-    if (a.size() != b.size()) return false;
-    for (size_t i = 0; i < a.size(); i++)
-        if (a[i].state != b[i].state || cv::norm(a[i].camera_T_tool - b[i].camera_T_tool, NORM_INF) != 0
-            || cv::norm(a[i].camera_T_nominal - b[i].camera_T_nominal, NORM_INF) != 0 || cv::norm(a[i].covariance - b[i].covariance, NORM_INF) != 0
-            || a[i].visibleParts != b[i].visibleParts || a[i].inliers != b[i].inliers || a[i].similarity != b[i].similarity || a[i].nis != b[i].nis
-            || !sameMatches(a[i].matches, b[i].matches))
-            return false;
-    return true;
+    return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](const ToolEstimate& x, const ToolEstimate& y) { return same(x, y); });
 }
+
+inline const char* methodName(int method)
+{
+    static const char* const names[] = {"paper", "epnp", "full"};
+    return names[method];
+}
+
+struct MethodNames
+{
+    template <typename Info> std::string operator()(const Info& info) const { return methodName(info.param); }
+};
 
 }} // namespace
 

@@ -2,7 +2,7 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
-// Names the binding generator forms for nested structures and for lists of structures.
+// Names the binding generator forms for nested structures and for lists of structures; and a door for the Python part of the bindings.
 
 #ifdef HAVE_OPENCV_SURGTRACK
 #include "opencv2/surgtrack.hpp"
@@ -35,4 +35,25 @@ typedef std::vector<cv::Matx44d> vector_Matx44d;
 typedef std::vector<cv::Point2d> vector_Point2d;
 typedef std::vector<cv::Vec3i> vector_Vec3i;
 typedef std::vector<std::vector<double> > vector_vector_double;
+
+#ifndef Py_LIMITED_API   // else Python may set attributes of the types itself
+static PyObject* pyopencv_surgtrack_callRepr(PyObject* self)
+{
+    return PyObject_CallMethod(self, "__repr__", NULL);
+}
+
+static PyObject* pyopencv_surgtrack_setRepr(PyObject*, PyObject* args)
+{
+    PyObject *type = NULL, *function = NULL;
+    if (!PyArg_ParseTuple(args, "O!O", &PyType_Type, &type, &function)) return NULL;
+    PyTypeObject* const t = (PyTypeObject*)type;
+    if (PyDict_SetItemString(t->tp_dict, "__repr__", function) != 0) return NULL;
+    t->tp_repr = pyopencv_surgtrack_callRepr;
+    PyType_Modified(t);
+    Py_RETURN_NONE;
+}
+
+#define PYOPENCV_EXTRA_METHODS_SURGTRACK \
+    {"_setRepr", pyopencv_surgtrack_setRepr, METH_VARARGS, "_setRepr(type, function) -> None\n.   Used by surgtrack/__init__.py."},
+#endif
 #endif

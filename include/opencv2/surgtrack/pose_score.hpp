@@ -18,14 +18,14 @@ namespace cv { namespace surgtrack {
 struct CV_EXPORTS_W_SIMPLE PoseScore
 {
     CV_WRAP PoseScore();
-    CV_PROP int frames;                 //!< with truth
-    CV_PROP int covered;                //!< of these, with a pose that claims to be one: tracking or coasting
-    CV_PROP double translationMean;     //!< distance of the end effector from its true place, over the covered frames [m]; 0 without any
-    CV_PROP double translationStd;      //!< its standard deviation [m]
-    CV_PROP double rotationMean;        //!< angle between estimated and true orientation, over the covered frames [rad]
-    CV_PROP double rotationStd;         //!< its standard deviation [rad]
-    CV_PROP double accuracy;            //!< share of all frames whose scored points are at most 10 pixel off, on average, in an image 720 pixel wide (paper, Sec. 3)
-    CV_PROP double silent;              //!< share of all frames that claim to be tracking and are more than 5 mm off
+    CV_PROP_RW int frames;                 //!< with truth
+    CV_PROP_RW int covered;                //!< of these, with a pose that claims to be one: tracking or coasting
+    CV_PROP_RW double translationMean;     //!< distance of the end effector from its true place, over the covered frames [m]; 0 without any
+    CV_PROP_RW double translationStd;      //!< its standard deviation [m]
+    CV_PROP_RW double rotationMean;        //!< angle between estimated and true orientation, over the covered frames [rad]
+    CV_PROP_RW double rotationStd;         //!< its standard deviation [rad]
+    CV_PROP_RW double accuracy;            //!< share of all frames whose scored points are at most 10 pixel off, on average, in an image 720 pixel wide (paper, Sec. 3)
+    CV_PROP_RW double silent;              //!< share of all frames that claim to be tracking and are more than 5 mm off
 };
 
 /** @brief Compares poses with the truth, as Table 1 of the paper does.

@@ -198,6 +198,7 @@ CV_EXPORTS_W void writeSequenceCameras(const String& folder, const CameraPair& c
 @param model path of the tool file, for the key `model`; empty: stays as it is
 @param nominal_T_base the hand-eye calibration, key `camera_T_base` */
 CV_EXPORTS_W void writeSequenceTool(const String& folder, const String& name, const String& model, const Matx44d& nominal_T_base);
+
 /** @brief Puts a tool's joint readings into a folder's kinematics.csv, in the place of those of this name.
 @param folder of the sequence; is made if it does not exist
 @param name of the tool

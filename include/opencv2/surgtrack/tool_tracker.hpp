@@ -28,12 +28,12 @@ struct CV_EXPORTS_W_SIMPLE StageTime
 {
     CV_WRAP StageTime();
 
-    CV_PROP String name;   //!< `render`, `image`, `match`, `verify`, `filter`, `contour` (METHOD_FULL) or `total`, all of update()
-    CV_PROP int calls;     //!< frames; without any, the times are 0
-    CV_PROP double last;   //!< of the last frame [s]
-    CV_PROP double mean;   //!< [s]
-    CV_PROP double min;    //!< [s]
-    CV_PROP double max;    //!< [s]
+    CV_PROP_RW String name;   //!< `render`, `image`, `match`, `verify`, `filter`, `contour` (METHOD_FULL) or `total`, all of update()
+    CV_PROP_RW int calls;     //!< frames; without any, the times are 0
+    CV_PROP_RW double last;   //!< of the last frame [s]
+    CV_PROP_RW double mean;   //!< [s]
+    CV_PROP_RW double min;    //!< [s]
+    CV_PROP_RW double max;    //!< [s]
 };
 
 //! What the last update() looked at of a tool with one eye, and what it saw there: of the last pose it tried. For pictures.

@@ -2,8 +2,11 @@
 
 from __future__ import print_function
 
+import copy
 import os
+import pickle
 import shutil
+import subprocess
 import sys
 import tempfile
 
@@ -674,7 +677,7 @@ class surgtrack_test(NewOpenCVTests):
         self.assertGreater(np.count_nonzero(drawn != image), 10000)
         base = st.DrawnTool(scene.model(), estimate).camera_T_base
         np.testing.assert_allclose(base, estimate.camera_T_nominal.dot(scene.nominal_T_base(0)), atol=1e-9)   # the same chain
-        self.assertLess(scorer.score().translationMean, 0.004)   # the calibration is 6 mm off
+        self.assertLess(scorer.score().translationMean, 0.0016)   # measured: 0.82 mm; the calibration is 6 mm off
         times = tracker.getTimings()
         self.assertEqual([t.name for t in times], ['render', 'image', 'match', 'verify', 'filter', 'contour', 'total'])
         for t in times:
@@ -690,6 +693,73 @@ class surgtrack_test(NewOpenCVTests):
         before = image.copy()
         st.drawSkeleton(image, scene.camera(), scene.model(), joints, scene.camera_T_base(0), (0, 255, 0))
         self.assertGreater(np.count_nonzero(image != before), 100)
+
+    # Structures that users store: an estimate of a tracked tool and one of its matches, a time and a score.
+    def values(self):
+        scene = self.scene(imageSize=(720, 576), frames=25)
+        tracker = st.ToolTracker.create(scene.camera())
+        tracker.addTool(scene.model(), scene.nominal_T_base(0))
+        scorer = st.PoseScorer.create(scene.camera(), 1)
+        for frame in range(2):
+            time = frame / 25.
+            estimate, = tracker.update(scene.render(frame), time, [scene.recordedJoints(0, time)])
+            scorer.add(0, estimate.state, estimate.camera_T_tool, scene.truePose(0, time))
+        return [estimate, estimate.matches[0], tracker.getTimings()[-1], scorer.score()]
+
+    # All fields, of whatever names.
+    def fields(self, value):
+        result = {}
+        for name in dir(value):
+            if not name.startswith('_'):
+                field = getattr(value, name)
+                is_list = isinstance(field, tuple) and field and not isinstance(field[0], (int, float))
+                result[name] = [self.fields(item) for item in field] if is_list else field
+        return result
+
+    def assert_same(self, a, b):
+        self.assertIs(type(a), type(b))
+        np.testing.assert_equal(self.fields(a), self.fields(b))
+
+    def test_values_are_copied_and_pickled(self):
+        values = self.values()
+        self.assertEqual(values[0].state, st.STATE_TRACKING)
+        self.assertGreater(len(values[0].matches), 4)
+        self.assert_same(self.values()[0], values[0])   # the same input, the same estimate
+        for value in values + [type(value)() for value in values]:
+            for copied in [copy.copy(value), copy.deepcopy(value)] + [pickle.loads(pickle.dumps(value, p)) for p in range(pickle.HIGHEST_PROTOCOL + 1)]:
+                self.assertIsNot(copied, value)
+                self.assert_same(copied, value)
+        estimate = values[0]
+        copied = copy.copy(estimate)
+        copied.state, copied.camera_T_tool, copied.matches = st.STATE_LOST, np.eye(4), ()
+        self.assertEqual((estimate.state, len(estimate.matches)), (st.STATE_TRACKING, estimate.inliers))
+        self.assertGreater(np.abs(estimate.camera_T_tool - np.eye(4)).max(), 0.01)
+
+    def test_values_are_unpickled_by_another_program(self):
+        values = self.values()
+        with open(self.path('values.pickle'), 'wb') as f:
+            pickle.dump(values, f)
+        code = 'import pickle, sys; print([repr(v) for v in pickle.load(open(sys.argv[1], "rb"))])'   # which has not imported cv2
+        text = subprocess.check_output([sys.executable, '-c', code, self.path('values.pickle')], universal_newlines=True)
+        self.assertEqual(text.strip(), str([repr(v) for v in values]))
+
+    def test_values_can_be_read(self):
+        estimate, match, time, score = self.values()
+        text = repr(estimate)
+        self.assertEqual(text, str(estimate))
+        self.assertRegex(text, r'^ToolEstimate\(.*\bstate=tracking\b.*\)$')
+        self.assertIn('inliers=%d, ' % estimate.inliers, text)
+        self.assertIn('matches=%d PartMatch' % estimate.inliers, text)
+        self.assertIn('covariance=6x6 array', text)
+        self.assertIn('camera_T_tool=[[%.6g, ' % estimate.camera_T_tool[0, 0], text)
+        self.assertNotIn('\n', text)
+        for name in self.fields(estimate):
+            self.assertIn(name + '=', text)
+        self.assertIn('imagePoint=[%.6g, %.6g]' % match.imagePoint, repr(match))
+        self.assertRegex(repr(time), r"^StageTime\(calls=2, .*name='total'\)$")
+        self.assertIn('frames=2, ', repr(score))
+        self.assertEqual(repr(st.StageTime()), "StageTime(calls=0, last=0, max=0, mean=0, min=0, name='')")
+        self.assertIn('matches=[]', repr(st.ToolEstimate()))
 
     def test_draws_tools_over_an_image(self):
         renderer = st.MeshRenderer.createSoftware()
@@ -779,7 +849,7 @@ class surgtrack_test(NewOpenCVTests):
             corrected[6] = max(corrected[6], min(np.ravel(joints)[6], 0))   # the jaw's stop
             tool = estimate.camera_T_nominal.dot(scene.nominal_T_base(0)).dot(scene.model().endEffectorPose(corrected))
             np.testing.assert_allclose(estimate.camera_T_tool, tool, atol=1e-9)   # the chain of transforms
-            self.assertLess(scorer.score().translationMean, 0.004)   # the calibration is 6 mm off
+            self.assertLess(scorer.score().translationMean, 0.0004 if eyes == 1 else 0.0003)   # measured: 0.21 and 0.15 mm; the calibration is 6 mm off
         with self.assertRaises(cv.error):   # no right camera is known
             st.ToolTracker.create(scene.camera(), params).updateStereo(image, image, 0., [])
 

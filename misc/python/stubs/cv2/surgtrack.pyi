@@ -1025,30 +1025,18 @@ class ToolEstimate:
 class StageTime:
     """How long a stage of ToolTracker.update() takes. A frame is one sample: the sum over all tools and eyes, 0 if the stage was not reached."""
     def __init__(self) -> None: ...
-    @property
-    def name(self) -> str:
-        """`render`, `image`, `match`, `verify`, `filter`, `contour` (METHOD_FULL) or `total`, all of update()"""
-        ...
-    @property
-    def calls(self) -> int:
-        """frames; without any, the times are 0"""
-        ...
-    @property
-    def last(self) -> float:
-        """of the last frame [s]"""
-        ...
-    @property
-    def mean(self) -> float:
-        """[s]"""
-        ...
-    @property
-    def min(self) -> float:
-        """[s]"""
-        ...
-    @property
-    def max(self) -> float:
-        """[s]"""
-        ...
+    name: str
+    """`render`, `image`, `match`, `verify`, `filter`, `contour` (METHOD_FULL) or `total`, all of update()"""
+    calls: int
+    """frames; without any, the times are 0"""
+    last: float
+    """of the last frame [s]"""
+    mean: float
+    """[s]"""
+    min: float
+    """[s]"""
+    max: float
+    """[s]"""
 
 class ToolTracker:
     """Finds the pose of articulated tools in the camera from video and joint readings.
@@ -1553,10 +1541,10 @@ class PoseWriter:
         """
         ...
 
-<<<<<<< HEAD
 class PoseScore:
     """How good the poses of one tool are, measured against the truth."""
     def __init__(self) -> None: ...
+<<<<<<< HEAD
     @property
     def frames(self) -> int:
         """with truth"""
