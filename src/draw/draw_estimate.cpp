@@ -3,6 +3,8 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "opencv2/surgtrack/draw.hpp"
+#include "base/geometry.hpp"
 
 // What the tracker said of a tool.
 

@@ -6,7 +6,7 @@
 #define OPENCV_SURGTRACK_SRC_LAB_TIME_OFFSET_TIME_OFFSET_HPP
 
 #include <map>
-#include "opencv2/surgtrack/geometric_context.hpp"
+#include "opencv2/surgtrack/part_finder.hpp"
 #include "opencv2/surgtrack/time_offset.hpp"
 #include "base/geometry.hpp"
 #include "lab/time_offset/time_offset_fit.hpp"
