@@ -445,6 +445,24 @@ TEST(SurgTrack_EKF, rejectsBadInputNamingTheArgument)
     EXPECT_THROW(ToolPoseEKF::create(CameraModel()), cv::Exception);
 }
 
+TEST(SurgTrack_EKF, movesWithTheCamera)
+{
+    const CameraModel camera = endoscope();
+    const Mat points = keypointsOf(1);
+    const Matx61d truth = stateOf(0.02, -0.03, 0.01, 0.002, 0.001, -0.003);
+    Ptr<ToolPoseEKF> filter = ToolPoseEKF::create(camera);
+    ASSERT_TRUE(filter->correct(points, seen(camera, truth, points)));
+    const Point3d tool = *points.ptr<Point3d>(0);
+    const Matx44d before = filter->correction(), now_T_before = rigid(rotationMatrix(Vec3d(0.1, -0.4, 0.2)), Point3d(0.03, -0.02, 0.04));
+    const Matx66d P = filter->poseCovariance(tool);
+    filter->changeFrames(now_T_before, now_T_before.inv());
+    EXPECT_LT(cv::norm(filter->correction() - now_T_before * before * now_T_before.inv(), NORM_INF), 1e-12);   // rounding
+    Matx66d turn = Matx66d::zeros();
+    for (int i = 0; i < 9; i++) turn(i / 3, i % 3) = turn(3 + i / 3, 3 + i % 3) = now_T_before(i / 3, i % 3);
+    const Matx66d expected = turn * P * turn.t(), moved = filter->poseCovariance(transformed(now_T_before, tool));
+    EXPECT_LT(cv::norm(moved - expected, NORM_INF), 1e-6 * cv::norm(expected, NORM_INF));   // derivatives by differences
+}
+
 TEST(SurgTrack_EKF, rejectsBadParameters)
 {
     const CameraModel camera = endoscope();

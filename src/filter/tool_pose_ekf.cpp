@@ -191,6 +191,8 @@ public:
         nis_ = 0;
     }
 
+    void changeFrames(const Matx44d& now_T_camera, const Matx44d& nominal_T_now) CV_OVERRIDE;
+
     void predict() CV_OVERRIDE { P_.diagonal() += Q_; }
 
     bool correct(InputArray nominalPoints, InputArray imagePoints, OutputArray used) CV_OVERRIDE;
@@ -209,6 +211,22 @@ private:
     Matrix6 P_;
     double nis_;
 };
+
+// P by the derivatives of the new state by the old one, from central differences.
+void ToolPoseEKFImpl::changeFrames(const Matx44d& now_T_camera, const Matx44d& nominal_T_now)
+{
+    CV_Assert(isRigid(now_T_camera) && "now_T_camera: rigid");
+    CV_Assert(isRigid(nominal_T_now) && "nominal_T_now: rigid");
+    const double step = 1e-6;   // [rad, m]; the derivatives are good to 1e-9
+    Matrix6 J;
+    for (int i = 0; i < 6; i++)
+    {
+        const Vector6 d = step * Vector6::Unit(i);
+        J.col(i) = (stateOf(now_T_camera * correctionOf(x_ + d) * nominal_T_now) - stateOf(now_T_camera * correctionOf(x_ - d) * nominal_T_now)) / (2 * step);
+    }
+    x_ = stateOf(now_T_camera * correctionOf(x_) * nominal_T_now);
+    P_ = (J * P_ * J.transpose()).eval();
+}
 
 /* R is diagonal, so the points are taken in one after the other, all at the linearization of the predicted state: the same
    result as from all at once, without matrices that grow with their number. */

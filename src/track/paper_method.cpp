@@ -204,7 +204,9 @@ void PaperMethod::setHandEye(const Matx44d& nominal_T_base)
     nominal_T_base_ = nominal_T_base;
     calibration_ = Matx44d::eye();
     trusted_ = nearestRigid(trusted_ * before_T_now);
-    setCorrection(starts() ? calibration_ : nearestRigid(correction_ * before_T_now));
+    correction_ = nearestRigid(correction_ * before_T_now);
+    filter_->changeFrames(Matx44d::eye(), before_T_now);
+    if (starts()) setCorrection(calibration_);
 }
 
 void PaperMethod::moveCamera(const Matx44d& now_T_before)
@@ -213,7 +215,8 @@ void PaperMethod::moveCamera(const Matx44d& now_T_before)
     nominal_T_base_ = nearestRigid(now_T_before * nominal_T_base_);
     calibration_ = now_T_before * calibration_ * before_T_now;
     trusted_ = nearestRigid(now_T_before * trusted_ * before_T_now);
-    setCorrection(nearestRigid(now_T_before * correction_ * before_T_now));
+    correction_ = nearestRigid(now_T_before * correction_ * before_T_now);
+    filter_->changeFrames(now_T_before, before_T_now);
 }
 
 void PaperMethod::inherit(const ToolMethod& other)

@@ -65,6 +65,10 @@ public:
     /** @brief Starts anew from a correction (the unit matrix: the hand-eye calibration itself) with the initial covariance. */
     CV_WRAP virtual void reset(const Matx44d& camera_T_nominal) = 0;
 
+    /** @brief Takes a correction and its covariance to another pair of frames, as when the camera moves or another calibration is given:
+    camera_T_nominal <- now_T_camera camera_T_nominal nominal_T_now. @param now_T_camera rigid @param nominal_T_now rigid */
+    CV_WRAP virtual void changeFrames(const Matx44d& now_T_camera, const Matx44d& nominal_T_now) = 0;
+
     /** @brief One frame passes: P grows by Q. */
     CV_WRAP virtual void predict() = 0;
 
