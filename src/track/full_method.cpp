@@ -65,6 +65,7 @@ FullMethod::Pose FullMethod::pose() const
     pose.filter = filter_->state();
     pose.evidence = evidence_;
     pose.inliers = inliers_;
+    pose.visibleParts = visibleParts_;
     return pose;
 }
 
@@ -73,6 +74,7 @@ void FullMethod::setPose(const Pose& pose)
     filter_->setState(pose.filter);
     evidence_ = pose.evidence;
     inliers_ = pose.inliers;
+    visibleParts_ = pose.visibleParts;
 }
 
 void FullMethod::measure(Scene& scene, const PartDrawing* ahead)

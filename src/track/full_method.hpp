@@ -37,6 +37,7 @@ private:
         ArticulatedPoseEKF::State filter;
         Evidence evidence;
         std::vector<PartMatch> inliers;
+        int visibleParts;
     };
 
     const ToolView& predict(const std::vector<double>& joints) CV_OVERRIDE;

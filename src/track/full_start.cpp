@@ -50,10 +50,11 @@ bool FullMethod::beginAnew(Scene& scene, int first, int last)
 {
     const ArticulatedPoseEKF::State vague = filter_->state();
     std::vector<StartCandidate> candidates(fitted);
-    visibleParts_ = findStarts(scene, first, last, filter_->view(), transform(filter_->correction(), nominalPoints_[0]).z, candidates);
+    const int visible = findStarts(scene, first, last, filter_->view(), transform(filter_->correction(), nominalPoints_[0]).z, candidates);
     double most = -DBL_MAX;
     Pose best;
     best.filter = vague;
+    best.visibleParts = visible;
     best.evidence.points = evidence_.points;
     for (int k = 0; k < fitted && candidates[k].score > 0; k++)
     {
@@ -89,7 +90,7 @@ void FullMethod::fit(Scene& scene, const StartCandidate& candidate)
             look(scene, e, view, windows_, e == 0);
             sampleOutline(scene, e, sights_[e].drawing);
         }
-        visibleParts_ = int(sights_[0].drawn->templates.size());
+        visibleParts_ = int(sights_[0].cut->templates.size());
         if (round == 0) correctPoints(scene, scene.open);
         refine(scene, round < 2 ? startPass : trackPass);
     }
