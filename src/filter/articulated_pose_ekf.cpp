@@ -112,15 +112,21 @@ void ArticulatedPoseEKFImpl::reset(const Matx44d& correction)
     begin();
 }
 
+void ArticulatedPoseEKFImpl::correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const
+{
+    CV_CheckEQ(readings.size(), stateOf_.size(), "readings: one value per coordinate");
+    joints.resize(readings.size());
+    for (size_t i = 0; i < readings.size(); i++)
+    {
+        joints[i] = readings[i] + state_.offsets[i];
+        if (isJaw_[i]) joints[i] = std::max(joints[i], std::min(readings[i], 0.));
+    }
+}
+
 // Poses of the links and axes of the joints, from readings and state. The centre stays.
 void ArticulatedPoseEKFImpl::place()
 {
-    corrected_.resize(joints_.size());
-    for (size_t i = 0; i < joints_.size(); i++)
-    {
-        corrected_[i] = joints_[i] + state_.offsets[i];
-        if (isJaw_[i]) corrected_[i] = std::max(corrected_[i], std::min(joints_[i], 0.));
-    }
+    correctJoints(joints_, corrected_);
     model_->forwardKinematics(corrected_, view_.base_T_link);
     view_.camera_T_base = state_.correction * nominal_T_base_;
     const std::vector<ToolModel::Link>& links = model_->links();

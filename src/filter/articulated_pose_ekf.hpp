@@ -63,6 +63,7 @@ public:
     Matx44d correction() const CV_OVERRIDE { return state_.correction; }
     const std::vector<double>& offsets() const CV_OVERRIDE { return state_.offsets; }
     const std::vector<double>& joints() const CV_OVERRIDE { return corrected_; }
+    void correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const CV_OVERRIDE;
     Mat covariance() const CV_OVERRIDE;
     double nis() const CV_OVERRIDE { return state_.nis; }
     Matx22d imageCovariance(const CameraModel& camera, const Matx44d& eye_T_camera, int part) const CV_OVERRIDE;

@@ -40,6 +40,7 @@ private:
         int visibleParts;
     };
 
+    void correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const CV_OVERRIDE { filter_->correctJoints(readings, joints); }
     const ToolView& predict(const std::vector<double>& joints) CV_OVERRIDE;
     Pose pose() const;
     void setPose(const Pose& pose);

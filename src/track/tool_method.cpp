@@ -51,6 +51,14 @@ void ToolMethod::place(const std::vector<double>& joints)
         nominalPoints_[k] = transform(nominal_T_base_ * view.base_T_link[keypoints[k].link], keypoints[k].linkPoint);
 }
 
+void ToolMethod::foresee(const std::vector<double>& readings, ToolView& view)
+{
+    correctJoints(readings, foreseen_);
+    model_->forwardKinematics(foreseen_, view.base_T_link);
+    view.camera_T_base = correction_ * nominal_T_base_;
+    if (!isLocated()) view.base_T_link.clear();
+}
+
 double ToolMethod::maxReprojectionError() const
 {
     return largestReprojectionError * pixelScale_;

@@ -31,6 +31,9 @@ public:
     @param ahead what was drawn ahead of this tool for the left eye, and is near enough; none: 0 */
     virtual void measure(Scene& scene, const PartDrawing* ahead) = 0;
 
+    //! Where the tool will be with these readings. Its link poses are empty if it may be anywhere.
+    void foresee(const std::vector<double>& readings, ToolView& view);
+
     //! The tool as it is believed to be, in the frame of the left camera.
     virtual const ToolView& view() const = 0;
     virtual void report(ToolEstimate& estimate) const;
@@ -56,6 +59,8 @@ public:
     bool usesDrawnAhead() const { return !settles() && state_ != STATE_LOST; }
 
 protected:
+    //! Readings with what is known of their errors.
+    virtual void correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const { joints = readings; }
     //! The tool where joints and state have it, for place().
     virtual const ToolView& predict(const std::vector<double>& joints) = 0;
 
@@ -108,6 +113,7 @@ protected:
     int visibleParts_;
     std::vector<PartMatch> inliers_;
     std::vector<double> joints_;       // readings of the current frame
+    std::vector<double> foreseen_;     // memory of foresee()
     std::vector<Sight> sights_;        // an eye
 };
 

@@ -32,13 +32,7 @@ void ToolTrackerImpl::renderAhead(const std::vector<std::vector<double> >& joint
         ahead_ = makePtr<RenderAhead>(makeFinder(cameras_[0], MeshRenderer::createSoftware()), int(tools_.size()));
         aheadViews_.resize(tools_.size());
     }
-    for (size_t i = 0; i < tools_.size(); i++)
-    {
-        const ToolMethod& tool = *tools_[i];
-        tool.model()->forwardKinematics(joints[i], aheadViews_[i].base_T_link);
-        aheadViews_[i].camera_T_base = tool.correction() * tool.nominal_T_base();
-        if (!tool.isLocated()) aheadViews_[i].base_T_link.clear();
-    }
+    for (size_t i = 0; i < tools_.size(); i++) tools_[i]->foresee(joints[i], aheadViews_[i]);
     ahead_->request(aheadViews_);
 }
 

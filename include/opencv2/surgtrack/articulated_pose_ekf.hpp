@@ -148,6 +148,8 @@ public:
     CV_WRAP virtual Matx44d correction() const = 0;
     /** @brief One per coordinate, to be added to the reading [rad or m]. */
     CV_WRAP virtual const std::vector<double>& offsets() const = 0;
+    //! Readings of another time with their offsets, and no jaw beyond its stop. @param readings one per coordinate @param joints result
+    virtual void correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const = 0;
     /** @brief One per coordinate: the readings with their offsets, and no jaw beyond its stop [rad or m]. */
     CV_WRAP virtual const std::vector<double>& joints() const = 0;
     /** @brief CV_64F, of (omega, v, d). */
