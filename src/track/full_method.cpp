@@ -182,7 +182,11 @@ void FullMethod::conclude(const Scene& scene, bool seen)
         confirmed_ = 0;
         inliers_.clear();
         evidence_.nis = 0;
-        if (searched_) filter_->setState(sure_);   // the pose of the search was a false one
+        if (searched_)   // the pose of the search was a false one
+        {
+            filter_->setState(sure_);
+            filter_->predict(joints_);   // sure_ is of other readings
+        }
         searched_ = false;
         if (state_ == STATE_TRACKING) state_ = STATE_COASTING;
         if (state_ == STATE_COASTING && scene.time - lastSeen_ > params_.coastingTime) state_ = STATE_LOST;
