@@ -24,8 +24,9 @@ String readTextFile(const String& filename)
     if (!utils::fs::isDirectory(filename))
         file.open(filename.c_str(), std::ios::binary);
     std::ostringstream content;
-    if (!file.is_open() || !(content << file.rdbuf()))
-        importError(filename, "expected a text file that can be read and is not empty", Error::StsObjectNotFound);
+    const bool there = file.is_open();
+    if (!there || !(content << file.rdbuf()))
+        importError(filename, "expected a text file that can be read and is not empty", there ? Error::StsParseError : Error::StsObjectNotFound);
     return content.str();
 }
 
