@@ -196,7 +196,6 @@ struct Player
         scene = SyntheticScene::create(needleDriver(), params);
         ToolTracker::Params tracking;
         tracking.method = method;
-        tracking.jointOffsets = !ahead;   // else what is drawn ahead is not used: see test_render_ahead.cpp
         tracker = ToolTracker::create(scene->camera(), tracking);
         if (stereo) tracker->setRightCamera(scene->camera(true), scene->right_T_left());
         for (int i = 0; i < tools; i++) tracker->addTool(scene->model(), scene->nominal_T_base(i));

@@ -44,15 +44,7 @@ private:
 class SurgTrack_RenderAheadMethods : public testing::TestWithParam<int>
 {
 protected:
-    /* Tools are drawn ahead without joint offsets, and one of more than 0.02 rad, as most of these scenes' tools have, keeps the
-       full method from using what was drawn. Without offsets there is something to test. */
-    Ptr<ToolTracker> trackerOf(const Recording& r) const
-    {
-        ToolTracker::Params p;
-        p.method = GetParam();
-        p.jointOffsets = false;
-        return r.tracker(p);
-    }
+    Ptr<ToolTracker> trackerOf(const Recording& r) const { return r.tracker(GetParam()); }
 };
 
 INSTANTIATE_TEST_CASE_P(Methods, SurgTrack_RenderAheadMethods, testing::Values(int(METHOD_FULL), int(METHOD_PAPER)), MethodNames());

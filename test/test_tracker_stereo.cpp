@@ -26,7 +26,6 @@ TEST(SurgTrack_TrackerStereo, theSameInputGivesTheSameEstimates)
     for (int ahead = 0; ahead < 2; ahead++)
     {
         ToolTracker::Params tracking;
-        tracking.jointOffsets = ahead == 0;   // see test_render_ahead.cpp
         Ptr<ToolTracker> first = r.stereoTracker(tracking), second = r.stereoTracker(tracking);
         const int threads = cv::getNumThreads();
         for (int frame = 0; frame < r.frames(); frame++)
