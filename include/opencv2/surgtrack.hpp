@@ -44,6 +44,7 @@ calibration, time offsets, importers, live data, the scene from outside and scor
 #include "opencv2/surgtrack/camera.hpp"
 #include "opencv2/surgtrack/tool_model.hpp"
 #include "opencv2/surgtrack/tool_view.hpp"
+#include "opencv2/surgtrack/part_match.hpp"
 #include "opencv2/surgtrack/mesh_renderer.hpp"
 #include "opencv2/surgtrack/part_templates.hpp"
 #include "opencv2/surgtrack/qgo.hpp"

@@ -37,7 +37,7 @@ public:
         CV_PROP_RW double contourCorrelation;   //!< so many neighbouring contour points tell as much as one
     };
 
-    enum { MAX_OFFSETS = 10, MAX_STATES = 6 + MAX_OFFSETS };
+    static const int MAX_OFFSETS = 10, MAX_STATES = 6 + MAX_OFFSETS;
 
     //! What is believed of a tool: state and covariance.
     struct CV_EXPORTS Belief

@@ -699,7 +699,7 @@ class surgtrack_test(NewOpenCVTests):
         scene = self.scene(imageSize=(720, 576), frames=25)
         tracker = st.ToolTracker.create(scene.camera())
         tracker.addTool(scene.model(), scene.nominal_T_base(0))
-        scorer = st.PoseScorer.create(scene.camera(), 1)
+        scorer = st.PoseScorer.create(scene.camera(), [scene.model()])
         for frame in range(2):
             time = frame / 25.
             estimate, = tracker.update(scene.render(frame), time, [scene.recordedJoints(0, time)])

@@ -314,6 +314,22 @@ class ToolView:
         """base_T_link as an array, L x 4 x 4 CV_64F."""
         ...
 
+class PartMatch:
+    """A place in the image where a part may be."""
+    def __init__(self) -> None: ...
+    tool: int
+    """index of the tool"""
+    part: int
+    """index of the keypoint"""
+    imagePoint: Tuple[float, float]
+    """where it was found [pixel]"""
+    similarity: float
+    """0..1"""
+    predictedPoint: Tuple[float, float]
+    """where the template expected it [pixel]"""
+    templateIndex: int
+    """index into the templates that were matched"""
+
 class Rendering:
     """What a MeshRenderer draws: three images of the same size, for one window of the camera's image."""
     def __init__(self) -> None: ...
@@ -536,22 +552,6 @@ def orientationResponse(spread: NDArray[Any], bin: int, response: Optional[NDArr
     """
     ...
 
-class PartMatch:
-    """A place in the image where a part may be."""
-    def __init__(self) -> None: ...
-    tool: int
-    """index of the tool"""
-    part: int
-    """index of the keypoint"""
-    imagePoint: Tuple[float, float]
-    """where it was found [pixel]"""
-    similarity: float
-    """0..1"""
-    predictedPoint: Tuple[float, float]
-    """where the template expected it [pixel]"""
-    templateIndex: int
-    """index into the templates that were matched"""
-
 class QGOMatcher:
     """Finds part templates in an image by their quantised gradient orientations (paper, Sec. 2.1).
 
@@ -718,6 +718,14 @@ class ToolPoseEKF:
         ...
     def reset(self, camera_T_nominal: NDArray[np.float64]) -> None:
         """Starts anew from a correction (the unit matrix: the hand-eye calibration itself) with the initial covariance."""
+        ...
+    def changeFrames(self, now_T_camera: NDArray[np.float64], nominal_T_now: NDArray[np.float64]) -> None:
+        """Takes a correction and its covariance to another pair of frames, as when the camera moves or another calibration is given:
+        camera_T_nominal <- now_T_camera camera_T_nominal nominal_T_now.
+
+        now_T_camera: rigid
+        nominal_T_now: rigid
+        """
         ...
     def predict(self) -> None:
         """One frame passes: P grows by Q."""
@@ -960,6 +968,18 @@ class ArticulatedPoseEKF:
         other: changes
         """
         ...
+    def setHandEye(self, nominal_T_base: NDArray[np.float64]) -> None:
+        """The calibration is another one: the tool, and what is known of its place, stay where they are, so the correction changes.
+
+        nominal_T_base: rigid
+        """
+        ...
+    def moveCamera(self, now_T_before: NDArray[np.float64]) -> None:
+        """The camera has moved, and everything moves in its frame: the tool, its covariance, and where the calibration has the base.
+
+        now_T_before: pose of the camera before the move in the frame of the one after it, rigid
+        """
+        ...
     def view(self) -> ToolView:
         """The tool as it is believed to be."""
         ...
@@ -968,6 +988,9 @@ class ArticulatedPoseEKF:
         ...
     def offsets(self) -> NDArray[np.float64]:
         """One per coordinate, to be added to the reading [rad or m]."""
+        ...
+    def joints(self) -> NDArray[np.float64]:
+        """One per coordinate: the readings with their offsets, and no jaw beyond its stop [rad or m]."""
         ...
     def covariance(self) -> NDArray[Any]:
         """CV_64F, of (omega, v, d)."""
@@ -1008,7 +1031,7 @@ class ToolEstimate:
     jointOffsets: NDArray[np.float64]
     """METHOD_FULL: one per coordinate, what is added to the reading [rad or m], and 0 where ToolModel.offsetDeviations() is; else zeros"""
     joints: NDArray[np.float64]
-    """one per coordinate, those the pose is of: the readings with jointOffsets [rad or m]"""
+    """one per coordinate, those the pose is of: the readings with jointOffsets, and no jaw beyond its stop [rad or m]"""
     visibleParts: int
     """parts that had a template, in the left image"""
     inliers: int
@@ -1054,14 +1077,14 @@ class ToolTracker:
     - The outline is placed where this pose has it (ToolContour), edges are sought on its normals (matchContour()), within 8, 5 and
       3 pixels in turn (at 720 px width), and taken in together with the parts. Parts tell from far off where the tool is, to some
       pixels; edges are many and exact to a fraction of a pixel, but need a pose within some pixels to begin with.
-    - Evidence is `similarity + contourSupport`. Tissue may look like parts, or like an outline, but not like both at once: right poses
-      have 1.2 to 1.8, wrong ones up to 1.1. A tool that is followed needs 0.9, one that is not 1.12, and to count as tracking without
-      a second frame 1.25. The outline alone does, with a support of 0.55, where fewer than four parts are seen.
+    - Evidence is `similarity + contourSupport`. Tissue may look like parts, or like an outline, but not like both at once. A tool that is
+      followed needs least of it, one that is not needs more, and one that is to count as tracking without a second frame needs most. The
+      outline alone does where fewer than four parts are seen, if it is well supported. (Thresholds: src/track/evidence.hpp.)
     - A push of the camera: where points or edges fit badly to a correction that changes slowly, the frame is measured once more with
-      P grown by 1 degree and 2 mm; if that has more evidence it is kept, and the process noise stays raised for ten frames. If it has
+      P grown by what a push does; if that has more evidence it is kept, and the process noise stays raised for some frames. If it has
       not and the points fit badly, they are the wrong ones: the outline alone is taken.
     - First pose: nine drawings (paper, Sec. 2.1: scales 0.8, 1, 1.2, rotations 0, +-15 degrees); the three with the largest summed
-      similarity are fitted, parts and outline, in four rounds each; the first one with evidence is taken, as the summed similarity
+      similarity are fitted, parts and outline, in four rounds each; the one with the most evidence is taken, as the summed similarity
       alone does not tell good from bad. The process noise is raised for the frames after it: two poses may look alike in one frame.
     - A tool that is not seen is sought in every frame with one of the nine drawings, in turn about its last pose and about the
       hand-eye calibration itself, since either may be the better guess. What is found there must be confirmed by the next frames;
@@ -1071,6 +1094,11 @@ class ToolTracker:
     image about 720 wide.
 
     Each tool has a state of its own. The result depends on the input alone: same images, times and joints, same estimates.
+
+    **Threads.** One thread at a time may call a tracker; different trackers do not know of each other. renderAhead() has the only thread
+    of its own. **Cost**, some 720 pixels wide: update() takes milliseconds (doc/performance.md), ten times as long where a tool is sought;
+    addTool(), replaceTool(), removeTool() and setRightCamera() milliseconds; all others microseconds. **Messages**, of changes of
+    state, go to OpenCV's log at the level info: none by default.
     """
     class Params:
         def __init__(self) -> None: ...
@@ -1097,8 +1125,33 @@ class ToolTracker:
         seed: int
         """of all random choices"""
 
+    class Stages:
+        """Parameters of the stages that a tracker is made of. Pixels are those of an image 720 pixels wide. What a method or
+        Params decide is overruled: wholeTool of templates (METHOD_FULL), seed and minInliers of the verifier, its zones and limits
+        (METHOD_PAPER, METHOD_EPNP), halfWindow of edges.
+        """
+        def __init__(self) -> None: ...
+        templates: PartTemplateRenderer.Params
+        matcher: QGOMatcher.Params
+        verifier: GeometricContextVerifier.Params
+        paperFilter: ToolPoseEKF.Params
+        """METHOD_PAPER"""
+        filter: ArticulatedPoseEKF.Params
+        """METHOD_FULL"""
+        contour: ToolContour.Params
+        """METHOD_FULL"""
+        edges: ContourSearch
+        """METHOD_FULL"""
+
     @staticmethod
-    def create(camera: CameraModel, params: ToolTracker.Params = ...) -> ToolTracker: ...
+    def create(camera: CameraModel, params: ToolTracker.Params = ..., stages: ToolTracker.Stages = ..., renderer: Optional[MeshRenderer] = ...) -> ToolTracker:
+        """camera: the left one, or the only one
+        params: what is tracked, and how
+        stages: how its stages work
+        renderer: draws the tools, for both eyes; must not be used by anyone else meanwhile. None: MeshRenderer.createSoftware().
+        The second thread of renderAhead() has a software renderer of its own
+        """
+        ...
     def setRightCamera(self, right: CameraModel, right_T_left: NDArray[np.float64]) -> None:
         """Makes the right eye known, for updateStereo(). Before or after addTool().
 
@@ -1153,8 +1206,36 @@ class ToolTracker:
         update() that asks for the templates, this or the next one; the tracker's state is then unchanged, and the request gone
         """
         ...
+    def replaceTool(self, tool: int, model: ToolModel) -> None:
+        """Another instrument is on the arm. What was learnt of the calibration stays and is where the search begins; offsets of
+        joints, which are the instrument's, are forgotten. Makes the drawing of all tools anew: some milliseconds and more for a large CAD.
+
+        tool: index, stays the same
+        model: the new one
+        """
+        ...
+    def removeTool(self, tool: int) -> None:
+        """A tool is gone.
+
+        tool: index; those of the tools after it fall by one
+        """
+        ...
+    def setHandEye(self, tool: int, nominal_T_base: NDArray[np.float64]) -> None:
+        """There is another hand-eye calibration. The pose of a tool that is tracked stays as it is; one without a pose begins anew.
+
+        tool: index
+        nominal_T_base: as for addTool()
+        """
+        ...
+    def moveCamera(self, now_T_before: NDArray[np.float64]) -> None:
+        """The camera has moved since the last frame, and it is known how: a da Vinci's camera arm has joints, too. All poses, and all
+        calibrations, move in its frame; the next frame goes on from there. Moves that are not told are found, too, if they are small.
+
+        now_T_before: pose of the camera at the last frame in its frame now [m]
+        """
+        ...
     def reset(self, tool: int = ...) -> None:
-        """Forgets what was learnt of a tool, as after a change of instrument.
+        """Forgets what was learnt of a tool.
 
         tool: index; -1 = all
         """
@@ -1541,162 +1622,6 @@ class PoseWriter:
         """
         ...
 
-class PoseScore:
-    """How good the poses of one tool are, measured against the truth."""
-    def __init__(self) -> None: ...
-<<<<<<< HEAD
-    @property
-    def frames(self) -> int:
-        """with truth"""
-        ...
-    @property
-    def covered(self) -> int:
-        """of these, with a pose that claims to be one: tracking or coasting"""
-        ...
-    @property
-    def translationMean(self) -> float:
-        """distance of the end effector from its true place, over the covered frames [m]; 0 without any"""
-        ...
-    @property
-    def translationStd(self) -> float:
-        """its standard deviation [m]"""
-        ...
-    @property
-    def rotationMean(self) -> float:
-        """angle between estimated and true orientation, over the covered frames [rad]"""
-        ...
-    @property
-    def rotationStd(self) -> float:
-        """its standard deviation [rad]"""
-        ...
-    @property
-    def accuracy(self) -> float:
-        """share of all frames whose scored points are at most 10 pixel off, on average, in an image 720 pixel wide (paper, Sec. 3)"""
-        ...
-    @property
-    def silent(self) -> float:
-        """share of all frames that claim to be tracking and are more than 5 mm off"""
-        ...
-
-class PoseScorer:
-    """Compares poses with the truth, as Table 1 of the paper does.
-
-    The scored points of a tool, for PoseScore.accuracy, move with its end effector: the end effector itself, its pivot, which is the origin
-    of the last link on the way to it that a joint moves, and the two points 3 mm beside the pivot on that joint's axis. Of a needle driver
-    they are the tip and the axis of the jaws.
-    """
-    @staticmethod
-    def create(camera: CameraModel, models: _Sequence[ToolModel]) -> PoseScorer:
-        """A scorer without poses yet.
-
-        camera: of the image the reprojection error is taken in; its distortion is left out
-        models: of the tools, whose points are scored
-        """
-        ...
-    def add(self, tool: int, state: int, camera_T_tool: NDArray[np.float64], true_camera_T_tool: NDArray[np.float64]) -> None:
-        """Takes in one frame of one tool.
-
-        tool: index
-        state: see TrackingState
-        camera_T_tool: estimate
-        true_camera_T_tool: truth
-        """
-        ...
-    def score(self, tool: int = ...) -> PoseScore:
-        """The score so far.
-
-        tool: index; -1 = all tools together
-        """
-        ...
-
-def poseError(camera_T_tool: NDArray[np.float64], true_camera_T_tool: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What leads from an estimated pose to the true one, in the terms of ToolEstimate.covariance:
-    R_true = exp(rotation) R_estimate, t_true = translation + t_estimate.
-
-    camera_T_tool: estimate
-    true_camera_T_tool: truth
-    Returns: (rotation vector [rad], translation [m]), both in the camera frame
-    """
-    ...
-
-def normalizedErrorSquared(error: NDArray[np.float64], covariance: NDArray[np.float64], first: int = ..., count: int = ...) -> float:
-    """Normalised error squared (NEES): e^T P^-1 e of some components, as many as its mean should be if P is right.
-
-    error: see poseError()
-    covariance: see ToolEstimate.covariance
-    first, count: components, by default all: 0, 3 is the rotation alone, 3, 3 the translation
-    Returns: not a number if that block of the covariance is not positive definite, as without a covariance
-    """
-    ...
-
-class TimeOffsetParams:
-    """Options of estimateTimeOffset()."""
-    def __init__(self) -> None: ...
-    expected: float
-    """centre of the search [s]; default 0"""
-    range: float
-    """offsets this far from the expected one are searched [s]; default 3"""
-    step: float
-    """of the first, coarse search [s]; default 0.16. A tool should move by less than 10 mm in it"""
-    frames: int
-    """at most so many frames are looked at, spread over the sequence; default 48"""
-    minOverlap: float
-    """offsets that leave less of the video with readings are not considered [s]; default 1.5"""
-    minConfidence: float
-    """see TimeOffset.confidence; default 0.15"""
-    maxDeviation: float
-    """see TimeOffset.deviation [s]; default 0.03"""
-    seed: int
-    """of all random choices"""
-
-class TimeOffset:
-    """The answer of estimateTimeOffset()."""
-    def __init__(self) -> None: ...
-    @property
-    def offset(self) -> float:
-        """the readings that belong to the image of time t are those recorded at t + offset [s]"""
-        ...
-    @property
-    def deviation(self) -> float:
-        """standard deviation of the offset, if it is the right one and not another that looks alike [s]"""
-        ...
-    @property
-    def confidence(self) -> float:
-        """0..1: by how much the images support this offset more than the next best that is not a neighbour; 0.5 = twice as much"""
-        ...
-    @property
-    def support(self) -> float:
-        """summed similarity above chance of the parts found where the offset has them, a frame and tool"""
-        ...
-    @property
-    def frames(self) -> int:
-        """frames in which a tool was found"""
-        ...
-    @property
-    def reason(self) -> str:
-        """why the offset can't be told, one line; empty if it can"""
-        ...
-
-def estimateTimeOffset(sequence: Sequence, params: TimeOffsetParams = ...) -> Tuple[bool, TimeOffset]:
-    """Finds by how much the clocks of video and joint readings differ, from the whole of a recorded sequence.
-
-    The tools are drawn as the readings of many times say they look, and sought in frames spread over the video. Of each offset, in
-    coarse steps, the similarity of what was found tells how well it is supported. The best few are refined to a fraction of a frame:
-    one least-squares fit, over all frames, of the offset (a point is wrong by its velocity times the error of the offset), of the
-    correction of the hand-eye calibration and of constant errors of the joints; then tools are drawn and found again with the result.
-    The correction may change from one two-second block to the next where the images insist, as after a move of the camera.
-
-    Expects a calibration wrong by at most 14 mm at the tool and about 10 degrees. One offset holds for all tools and the whole sequence.
-    With the default options it takes about 15 s for two tools at 720x576, in proportion to frames, tools and range. The frames looked at
-    are kept in memory.
-
-    sequence: video (the left one) and readings
-    result: after false `offset` is the best guess and must not be relied on, and `reason` says why
-    params: options
-    Returns: whether the offset is known: Params.minConfidence and Params.maxDeviation are met. It can't be known if tools hardly move
-    or are hardly seen, if too little of the video has readings, if the motion repeats itself within the range, or if the offset lies outside of it
-    Raises cv2.error for options out of range and naming the file if the video can't be read or has frames of another size
-=======
 def writeSequenceCameras(folder: str, cameras: CameraPair, leftVideo: str = ..., rightVideo: str = ..., fps: float = ...) -> None:
     """Puts cameras into a folder's sequence.yaml, which is made if it does not exist; all else in it is kept, but for comments.
 
@@ -1705,7 +1630,6 @@ def writeSequenceCameras(folder: str, cameras: CameraPair, leftVideo: str = ...,
     leftVideo: path for the key `left.video`; empty: that stays as it is, or `left.mp4`
     rightVideo: the same of the right eye
     fps: frames per second; 0: stays as it is, or is missing
->>>>>>> oneofeach
     """
     ...
 
@@ -2375,47 +2299,36 @@ class SceneView:
 class PoseScore:
     """How good the poses of one tool are, measured against the truth."""
     def __init__(self) -> None: ...
-    @property
-    def frames(self) -> int:
-        """with truth"""
-        ...
-    @property
-    def covered(self) -> int:
-        """of these, with a pose that claims to be one: tracking or coasting"""
-        ...
-    @property
-    def translationMean(self) -> float:
-        """distance of the end effector from its true place, over the covered frames [m]; 0 without any"""
-        ...
-    @property
-    def translationStd(self) -> float:
-        """its standard deviation [m]"""
-        ...
-    @property
-    def rotationMean(self) -> float:
-        """angle between estimated and true orientation, over the covered frames [rad]"""
-        ...
-    @property
-    def rotationStd(self) -> float:
-        """its standard deviation [rad]"""
-        ...
-    @property
-    def accuracy(self) -> float:
-        """share of all frames whose end effector is at most 10 pixel off in an image 720 pixel wide (paper, Sec. 3)"""
-        ...
-    @property
-    def silent(self) -> float:
-        """share of all frames that claim to be tracking and are more than 5 mm off"""
-        ...
+    frames: int
+    """with truth"""
+    covered: int
+    """of these, with a pose that claims to be one: tracking or coasting"""
+    translationMean: float
+    """distance of the end effector from its true place, over the covered frames [m]; 0 without any"""
+    translationStd: float
+    """its standard deviation [m]"""
+    rotationMean: float
+    """angle between estimated and true orientation, over the covered frames [rad]"""
+    rotationStd: float
+    """its standard deviation [rad]"""
+    accuracy: float
+    """share of all frames whose scored points are at most 10 pixel off, on average, in an image 720 pixel wide (paper, Sec. 3)"""
+    silent: float
+    """share of all frames that claim to be tracking and are more than 5 mm off"""
 
 class PoseScorer:
-    """Compares poses with the truth, as Table 1 of the paper does."""
+    """Compares poses with the truth, as Table 1 of the paper does.
+
+    The scored points of a tool, for PoseScore.accuracy, move with its end effector: the end effector itself, its pivot, which is the origin
+    of the last link on the way to it that a joint moves, and the two points 3 mm beside the pivot on that joint's axis. Of a needle driver
+    they are the tip and the axis of the jaws.
+    """
     @staticmethod
-    def create(camera: CameraModel, tools: int) -> PoseScorer:
+    def create(camera: CameraModel, models: _Sequence[ToolModel]) -> PoseScorer:
         """A scorer without poses yet.
 
         camera: of the image the reprojection error is taken in; its distortion is left out
-        tools: number of tools
+        models: of the tools, whose points are scored
         """
         ...
     def add(self, tool: int, state: int, camera_T_tool: NDArray[np.float64], true_camera_T_tool: NDArray[np.float64]) -> None:
@@ -2433,3 +2346,23 @@ class PoseScorer:
         tool: index; -1 = all tools together
         """
         ...
+
+def poseError(camera_T_tool: NDArray[np.float64], true_camera_T_tool: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What leads from an estimated pose to the true one, in the terms of ToolEstimate.covariance:
+    R_true = exp(rotation) R_estimate, t_true = translation + t_estimate.
+
+    camera_T_tool: estimate
+    true_camera_T_tool: truth
+    Returns: (rotation vector [rad], translation [m]), both in the camera frame
+    """
+    ...
+
+def normalizedErrorSquared(error: NDArray[np.float64], covariance: NDArray[np.float64], first: int = ..., count: int = ...) -> float:
+    """Normalised error squared (NEES): e^T P^-1 e of some components, as many as its mean should be if P is right.
+
+    error: see poseError()
+    covariance: see ToolEstimate.covariance
+    first, count: components, by default all: 0, 3 is the rotation alone, 3, 3 the translation
+    Returns: not a number if that block of the covariance is not positive definite, as without a covariance
+    """
+    ...
