@@ -200,7 +200,8 @@ bool ToolTrackerImpl::movedSince(int index, const std::vector<ToolView>& drawn) 
     return false;
 }
 
-// Everything from the filter's prediction, which is vague, and the parts found: in several rounds, each drawn where the one before ended.
+// Everything from the filter's prediction, which is vague, and the parts found: in several rounds, each drawn where the one before ended. The one
+// that explains the image best is kept: the next may end in the wrong one of two depths.
 void ToolTrackerImpl::fit(int index, const std::vector<PartMatch>& inliers)
 {
     TrackedTool& tool = tools_[index];
@@ -209,6 +210,7 @@ void ToolTrackerImpl::fit(int index, const std::vector<PartMatch>& inliers)
     eyes_[0].inliers = inliers;
     correctPoints(tool);
     open_ = open;
+    double most = -DBL_MAX, support = 0, nis = 0;
     for (int round = 0; round < fitRounds; round++)
     {
         views_[index] = tool.full->view();
@@ -221,7 +223,18 @@ void ToolTrackerImpl::fit(int index, const std::vector<PartMatch>& inliers)
         sampleContours(index, 0);
         if (round == 0) correctPoints(tool);
         refine(tool, round < 2 ? startPass : trackPass);
+        const double merit = evidence(tool) - doubt * tool.nis;
+        if (merit < most) continue;
+        most = merit;
+        support = tool.contourSupport;
+        nis = tool.nis;
+        tool.full->copyTo(*tool.round);
+        tool.inliersOfRound = tool.inliers;
     }
+    tool.round->copyTo(*tool.full);
+    tool.inliers = tool.inliersOfRound;
+    tool.contourSupport = support;
+    tool.nis = nis;
 }
 
 /* The first pose, or that of a lost tool: parts in wide windows by several scales and rotations about the pose predicted (paper,

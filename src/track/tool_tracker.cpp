@@ -136,6 +136,7 @@ int ToolTrackerImpl::addTool(const Ptr<ToolModel>& model, const Matx44d& nominal
         tool.full = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
         tool.before = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
         tool.spare = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
+        tool.round = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
         tool.best = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
         tool.sure = ArticulatedPoseEKF::create(model, tool.nominal_T_base, full);
         tool.contour = ToolContour::create(model);

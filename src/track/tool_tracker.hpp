@@ -56,12 +56,12 @@ struct TrackedTool
     // METHOD_FULL
     Ptr<ArticulatedPoseEKF> full;    // `filter` of the other methods
     Ptr<ArticulatedPoseEKF> before;  // it, as it was before a search
-    Ptr<ArticulatedPoseEKF> spare, best;   // memory
+    Ptr<ArticulatedPoseEKF> spare, best, round;   // memory
     Ptr<ArticulatedPoseEKF> sure;    // it, as it was when the tool was last tracked
     Ptr<ToolContour> contour;
     double contourSupport;
     bool points;                     // whether parts went into the pose, not only the outline
-    std::vector<PartMatch> inliersBefore;   // memory
+    std::vector<PartMatch> inliersBefore, inliersOfRound;   // memory
     int unseen;                      // consecutive frames without a measurement
     int searches;                    // since the tool was last seen
     bool searched;                   // the pose is that of a search, and not confirmed yet
