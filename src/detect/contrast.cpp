@@ -10,10 +10,10 @@ namespace cv { namespace surgtrack {
 
 namespace {
 
-const int tile = 128;             // [pixel]; of 64, a tool fills some, and its own edges raise the threshold
-const int block = 8;              // [pixel]; thresholds change from block to block
-const int stepX = 2, stepY = 4;   // of the pixels that are counted
-const int prior = 64;             // pixels of the whole region that are counted with every tile: some have few of their own
+const int tile = 128;    // [pixel]; smaller ones may lie within a tool, whose own edges then raise the threshold
+const int block = 8;     // [pixel]; thresholds change from block to block
+const int step = 4;      // of the pixels that are counted
+const int prior = 64;    // pixels of the whole region that are counted with every tile: some have few of their own
 
 } // namespace
 
@@ -22,7 +22,7 @@ void LocalThreshold::count(const Mat& sizes)
 {
     counts_.assign(256 * size_t(tiles_.area()), 0);
     all_.assign(256, 0);
-    for (int y = 0; y < sizes.rows; y += stepY)
+    for (int y = 0; y < sizes.rows; y += step)
     {
         const uchar* row = sizes.ptr(y);
         ushort* tiles = &counts_[256 * size_t(tiles_.width) * ((tl_.y + y) / tile - first_.y)];
@@ -30,7 +30,7 @@ void LocalThreshold::count(const Mat& sizes)
         {
             ushort* counts = tiles + 256 * ((tl_.x + x) / tile - first_.x);
             const int end = std::min(sizes.cols, ((tl_.x + x) / tile + 1) * tile - tl_.x);
-            for (; x < end; x += stepX) counts[row[x]]++;
+            for (; x < end; x += step) counts[row[x]]++;
         }
     }
     for (size_t i = 0; i < counts_.size(); i++) all_[i & 255] += counts_[i];
