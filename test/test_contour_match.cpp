@@ -96,7 +96,7 @@ TEST(SurgTrack_ContourMatch, findsABlurredEdgeOfLightToAFractionOfAPixel)
                     sum += std::abs(error);
                     m++;
                     n++;
-                    EXPECT_GE(c.strength, ContourSearch().minStrength);
+                    EXPECT_GE(c.strength, ContourSearch().leastStrength);
                     EXPECT_GT(c.deviation, 0);
                 }
         EXPECT_LT(std::abs(bias / m), 0.05) << s;   // grey levels are interpolated, not light: measured 0.04; 0.15 and more if they were not squared
@@ -227,6 +227,7 @@ TEST(SurgTrack_ContourMatch, weakEdgesAndSmoothImagesHaveNone)
     const double a = 80 / 255., b = 140 / 255.;
     const Mat step = image(grey(0.5, a * a, b * b), 0.3);
     ContourSearch search;
+    search.contrast = 0;
     search.minStrength = 12;
     ASSERT_TRUE(match(step, 0.3, c, search));
     const double strength = c.strength;
@@ -239,6 +240,42 @@ TEST(SurgTrack_ContourMatch, weakEdgesAndSmoothImagesHaveNone)
     ASSERT_TRUE(match(image(grey(0.5, 0.02, 0.8), 0.3), 0.3, c));
     EXPECT_GT(c.strength, strength);
     EXPECT_LE(c.deviation, deviation);
+}
+
+TEST(SurgTrack_ContourMatch, inDimLightTheSameEdgesAreFound)
+{
+    // Points along an outline in texture; the second row of them looks at texture only.
+    Mat scene = textured(Size(240, 200), 3, 4, 70, 150);
+    scene.colRange(120, 240).setTo(Scalar::all(230));
+    GaussianBlur(scene, scene, Size(5, 5), 1);
+    std::vector<ContourPoint> points;
+    for (int y = 30; y < 170; y += 2)
+        for (int x = 60; x <= 120; x += 60) points.push_back(pointAt(0, Point2d(x + 0.3, y)));
+    ContourSearch search;
+    std::vector<ContourPoint> bright = points;
+    const int expected = matchContour(scene, bright, search);
+    ASSERT_GT(expected, 60);
+    const double gains[] = {0.25, 0.4, 0.6};
+    for (double gain : gains)
+    {
+        Mat dim;
+        scene.convertTo(dim, CV_8U, gain);
+        std::vector<ContourPoint> dark = points;
+        matchContour(dim, dark, search);
+        int same = 0;
+        double off = 0;
+        for (size_t i = 0; i < points.size(); i++)
+        {
+            same += dark[i].found == bright[i].found;
+            if (dark[i].found && bright[i].found && i % 2) off = std::max(off, std::abs(dark[i].offset - bright[i].offset));
+        }
+        EXPECT_GT(same, 0.85 * double(points.size())) << gain;   // of texture, some are as strong as the least
+        EXPECT_LT(off, 0.15) << gain;                            // grey levels are rounded
+        search.contrast = 0;
+        std::vector<ContourPoint> fixed = points;
+        if (gain < 0.3) EXPECT_LT(matchContour(dim, fixed, search), 0.75 * expected);   // what it is good for
+        search.contrast = ContourSearch().contrast;
+    }
 }
 
 TEST(SurgTrack_ContourMatch, pointsAtTheBorderAndOutsideAreNotFound)
@@ -307,10 +344,11 @@ TEST(SurgTrack_ContourMatch, rejectsBadInputNamingTheArgument)
     for (int type : types) EXPECT_THROW(matchContour(Mat(80, 80, type, Scalar::all(0)), points, ContourSearch()), cv::Exception) << type;
 
     const Mat scene = image(grey(0, 0.05, 0.4), 0);
-    double ContourSearch::* const members[] = {&ContourSearch::halfWindow, &ContourSearch::preference, &ContourSearch::minStrength, &ContourSearch::ambiguity};
-    const char* const names[] = {"halfWindow", "preference", "minStrength", "ambiguity"};
+    double ContourSearch::* const members[] = {&ContourSearch::halfWindow, &ContourSearch::preference, &ContourSearch::minStrength, &ContourSearch::contrast,
+                                               &ContourSearch::leastStrength, &ContourSearch::ambiguity};
+    const char* const names[] = {"halfWindow", "preference", "minStrength", "contrast", "leastStrength", "ambiguity"};
     const double values[] = {-1, NOT_A_NUMBER, std::numeric_limits<double>::infinity()};
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 6; i++)
         for (double value : values)
         {
             ContourSearch search;

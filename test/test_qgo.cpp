@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "test_common.hpp"
+#include "detect/qgo.hpp"
 
 namespace opencv_test { namespace {
 
@@ -316,6 +317,37 @@ TEST(SurgTrack_QGO, brightnessOffsetAndInversionChangeNothing)
         quantizeOrientations(other, result, 20);
         EXPECT_LT(differing(expected, result), 0.03);   // halves are rounded up: off by 1/4 grey level here and there, which moves 1.3 % of these pixels over a bound
     }
+}
+
+TEST(SurgTrack_QGO, sizesAreThoseOfTheDefinitionBitForBit)
+{
+    RNG rng(57);
+    std::vector<uchar> workspace;
+    int weak = 0;
+    for (int i = 0; i < 120; i++)
+    {
+        const Size size = i < 24 ? SIZES[i] : Size(rng.uniform(1, 450), rng.uniform(1, 40));   // wider than a strip now and then
+        const int channels = rng.uniform(0, 2) ? 3 : 1;
+        const Mat image = testImage(size, channels, rng.uniform(0, KINDS), 300 + i);
+        const int w = rng.uniform(1, size.width + 1), h = rng.uniform(1, size.height + 1);
+        const Rect window(rng.uniform(0, size.width - w + 1), rng.uniform(0, size.height - h + 1), w, h);
+        Mat bits(h, w, CV_8UC1), sizes(h, w, CV_8UC1), plainBits(h, w, CV_8UC1), plainSizes(h, w, CV_8UC1);
+        cv::surgtrack::quantize(image, window, 4, bits, workspace, &sizes);
+        cv::surgtrack::plain::quantize(image, window, 4, plainBits, &plainSizes);
+        ASSERT_EQ(0, differing(plainBits, bits)) << window;
+        ASSERT_EQ(0, differing(plainSizes, sizes)) << window;
+
+        Mat least(h, w, CV_8UC1);
+        rng.fill(least, RNG::UNIFORM, 0, 256);
+        for (int y = 0; y < h; y++)
+        {
+            cv::surgtrack::dropWeak(bits.ptr(y), sizes.ptr(y), least.ptr(y), w);
+            cv::surgtrack::plain::dropWeak(plainBits.ptr(y), sizes.ptr(y), least.ptr(y), w);
+        }
+        ASSERT_EQ(0, differing(plainBits, bits)) << window;
+        weak += countNonZero(bits);
+    }
+    EXPECT_GT(weak, 10000);   // not of nothing
 }
 
 TEST(SurgTrack_QGO, aUniformImageHasNoOrientations)

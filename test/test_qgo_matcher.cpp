@@ -251,6 +251,7 @@ TEST(SurgTrack_QGOMatcher, theWholeImageSearchFindsTheBestPlaceOfAnyTemplateInAn
     RNG rng(77);
     QGOMatcher::Params params;
     params.magnitudeThreshold = 15;
+    params.contrast = 0;
     params.minSimilarity = 0.01;
     Ptr<QGOMatcher> matcher = QGOMatcher::create(params);
     for (int round = 0; round < 150; round++)
@@ -287,6 +288,7 @@ TEST(SurgTrack_QGOMatcher, theSimilarityMapEqualsTheSumOverFeatures)
     RNG rng(5);
     QGOMatcher::Params params;
     params.magnitudeThreshold = 15;
+    params.contrast = 0;
     const int counts[] = {1, 2, 63, 64, 127, 1000};
     const Size sizes[] = {Size(131, 97), Size(64, 64), Size(17, 31)};
     for (const Size& size : sizes)
@@ -322,6 +324,7 @@ TEST(SurgTrack_QGOMatcher, sumsOfManyFeaturesDoNotOverflow)
     for (int x = 0; x < 80; x++) image.col(x).setTo(3 * x);
     QGOMatcher::Params params;
     params.magnitudeThreshold = 20;
+    params.contrast = 0;
     Ptr<QGOMatcher> matcher = QGOMatcher::create(params);
     matcher->setImage(image);
     const int counts[] = {63, 64, 65, 127, 255, 256, 1000, 5000};
@@ -351,6 +354,7 @@ TEST(SurgTrack_QGOMatcher, matchesAreTheBestPlacesOfTheMapWithTheirNeighbourhood
     {
         QGOMatcher::Params params;
         params.magnitudeThreshold = 15;
+        params.contrast = 0;
         params.candidates = rng.uniform(1, 9);
         params.suppressionRadius = rng.uniform(0, 12);
         params.minSimilarity = rng.uniform(0.2, 0.55);
@@ -448,12 +452,95 @@ TEST(SurgTrack_QGOMatcher, windowsMayReachOverTheImageOrBeEmpty)
     EXPECT_TRUE(matches.empty());
 }
 
+// Bright edges on weaker texture, in the light of a gain, a tone curve and haze of some opacity.
+Mat litScene(double gain, double gamma, double haze, int channels)
+{
+    Mat scene = textured(Size(320, 256), channels, 9, 85, 125);   // twice its median is less than magnitudeThreshold
+    for (int i = 0; i < 6; i++) line(scene, Point(20 + 50 * i, 10), Point(60 + 40 * i, 240), Scalar::all(i % 2 ? 20 : 200), 9);
+    Mat lit(scene.size(), scene.type());
+    for (int y = 0; y < scene.rows; y++)
+        for (int x = 0; x < scene.cols * channels; x++)
+        {
+            const double level = 255 * std::pow(scene.ptr(y)[x] / 255., gamma) * gain;
+            lit.ptr(y)[x] = saturate_cast<uchar>(level * (1 - haze) + 200 * haze * gain);
+        }
+    return lit;
+}
+
+Mat orientationsOf(const Mat& image, const QGOMatcher::Params& params = QGOMatcher::Params())
+{
+    Ptr<QGOMatcher> matcher = QGOMatcher::create(params);
+    matcher->setImage(image);
+    Mat result;
+    matcher->orientations(result);
+    return result;
+}
+
+TEST(SurgTrack_QGOMatcher, orientationsFollowTheContrastNotTheLight)
+{
+    const double lights[][3] = {{0.25, 1, 0}, {0.4, 1, 0}, {0.6, 1, 0}, {1, 1.4, 0}, {1, 0.7, 0}, {1, 1, 0.3}, {1, 1, 0.6}, {0.5, 1, 0.5}};
+    for (int channels = 1; channels <= 3; channels += 2)
+    {
+        const Mat expected = orientationsOf(litScene(1, 1, 0, channels));
+        const double edges = countNonZero(expected);
+        ASSERT_GT(edges, 5000);
+        for (const double* light : lights)
+        {
+            const Mat image = litScene(light[0], light[1], light[2], channels);
+            const Mat result = orientationsOf(image);
+            // Rounding to 8 bits turns weak gradients a little.
+            EXPECT_LT(std::abs(countNonZero(result) - edges), 0.15 * edges) << light[0] << " " << light[1] << " " << light[2];
+            EXPECT_LT(countNonZero(expected & ~result), 0.15 * edges) << light[0] << " " << light[1] << " " << light[2];
+        }
+    }
+}
+
+TEST(SurgTrack_QGOMatcher, noiseInBlandAreasHasFewOrientations)
+{
+    RNG rng(71);
+    const double sigmas[] = {2, 7, 15};   // [grey levels]
+    for (double sigma : sigmas)
+    {
+        Mat noise(256, 320, CV_32FC1), image;
+        rng.fill(noise, RNG::NORMAL, 90, sigma);
+        noise.convertTo(image, CV_8U);
+        EXPECT_LT(countNonZero(orientationsOf(image)), 0.08 * double(image.total())) << sigma;   // a sixteenth is twice the median
+    }
+}
+
+TEST(SurgTrack_QGOMatcher, contrastAsksForNoMoreThanTheThresholdAndNoLessThanTheLeast)
+{
+    const Mat image = textured(Size(200, 150), 3, 33);
+    QGOMatcher::Params params;
+    params.magnitudeThreshold = params.leastMagnitude = 25;   // whatever the contrast
+    Mat expected;
+    quantizeOrientations(image, expected, 25);
+    const Mat result = orientationsOf(image, params);
+    EXPECT_EQ(0, countNonZero(result & ~expected));
+    EXPECT_GT(countNonZero(result), 0.97 * countNonZero(expected));   // sizes are known to some percent
+
+    params.contrast = 0;
+    EXPECT_EQ(0, cvtest::norm(expected, orientationsOf(image, params), NORM_INF));
+    EXPECT_EQ(0, countNonZero(orientationsOf(Mat(90, 70, CV_8UC1, Scalar(0)))));   // a black image has no contrast
+    Mat half = image.clone();   // a black surround is no texture: the rest keeps its orientations
+    half.rowRange(75, 150).setTo(Scalar::all(0));
+    const Rect upper(0, 0, 200, 60);
+    Ptr<QGOMatcher> matcher = QGOMatcher::create();
+    Mat whole, masked;
+    matcher->setImage(image);
+    matcher->orientations(whole);
+    matcher->setImage(half);
+    matcher->orientations(masked);
+    EXPECT_LT(countNonZero(whole(upper) != masked(upper)), 0.1 * double(upper.area()));
+}
+
 TEST(SurgTrack_QGOMatcher, anyImageSizeWorks)
 {
     RNG rng(12);
     const Size sizes[] = {Size(1, 1), Size(1, 40), Size(40, 1), Size(2, 2), Size(5, 3), Size(17, 31), Size(31, 17), Size(641, 479)};
     QGOMatcher::Params params;
     params.magnitudeThreshold = 15;
+    params.contrast = 0;
     params.minSimilarity = 0.01;
     Ptr<QGOMatcher> matcher = QGOMatcher::create(params);
     for (const Size& size : sizes)
@@ -480,6 +567,7 @@ TEST(SurgTrack_QGOMatcher, aPreparedRegionGivesTheSameWhereTemplatesStayInside)
     RNG rng(14);
     QGOMatcher::Params params;
     params.magnitudeThreshold = 15;
+    params.contrast = 0;
     const Mat image = textured(Size(180, 130), 3, 15);
     Ptr<QGOMatcher> whole = QGOMatcher::create(params), part = QGOMatcher::create(params);
     whole->setImage(image);
@@ -559,6 +647,7 @@ TEST(SurgTrack_QGOMatcher, rejectsBadInputNamingTheArgument)
     Mat map;
     EXPECT_ERROR(matcher->match(templates, std::vector<Rect>(), matches), "setImage");
     EXPECT_ERROR(matcher->similarityMap(templates[0], Rect(0, 0, 4, 4), map), "setImage");
+    EXPECT_ERROR(matcher->orientations(map), "setImage");
     EXPECT_ERROR(matcher->setImage(Mat()), "image");
     EXPECT_ERROR(matcher->setImage(Mat::zeros(50, 50, CV_16UC1)), "image");
     EXPECT_ERROR(matcher->match(templates, std::vector<Rect>(), matches), "setImage");   // none that it accepted
@@ -575,6 +664,21 @@ TEST(SurgTrack_QGOMatcher, rejectsBadInputNamingTheArgument)
     params = QGOMatcher::Params();
     params.suppressionRadius = -1;
     EXPECT_ERROR(QGOMatcher::create(params), "suppressionRadius");
+    const double values[] = {-1, NOT_A_NUMBER, std::numeric_limits<double>::infinity()};
+    for (double value : values)
+    {
+        params = QGOMatcher::Params();
+        params.contrast = value;
+        EXPECT_ERROR(QGOMatcher::create(params), "contrast");
+        params = QGOMatcher::Params();
+        params.leastMagnitude = value;
+        EXPECT_ERROR(QGOMatcher::create(params), "leastMagnitude");
+    }
+    params = QGOMatcher::Params();
+    params.magnitudeThreshold = 180;
+    EXPECT_ERROR(QGOMatcher::create(params), "magnitudeThreshold");
+    params.contrast = 0;
+    EXPECT_NO_THROW(QGOMatcher::create(params));
 }
 
 }} // namespace

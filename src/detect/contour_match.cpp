@@ -8,7 +8,7 @@
 
 namespace cv { namespace surgtrack {
 
-ContourSearch::ContourSearch() : halfWindow(8), preference(0.5), minStrength(6), ambiguity(0.8) {}
+ContourSearch::ContourSearch() : halfWindow(8), preference(0.5), minStrength(6), contrast(1.1), leastStrength(1), ambiguity(0.8) {}
 
 namespace {
 
@@ -36,6 +36,56 @@ inline float vertex(float l, float m, float r)
     return d < 0 ? 0.5f * (l - r) / d : 0.f;
 }
 
+// The energy of the gradient along a normal, over all channels.
+void profileEnergy(const float* profile, int channels, int n, float* energy)
+{
+    std::fill(energy, energy + n, 0.f);
+    for (int k = 0; k < channels; k++)
+    {
+        const float* p = profile + k * n;
+        for (int j = 2; j < n - 2; j++)
+        {
+            const float g = ((p[j + 1] - p[j - 1]) * 2 + (p[j + 2] - p[j - 2])) * 0.125f;
+            energy[j] += g * g;
+        }
+    }
+}
+
+// Whether the profile of a point lies in the image, and from where.
+bool profileInside(const Mat& image, const ContourPoint& c, int reach, Point2d& a)
+{
+    a = c.imagePoint - c.normal * reach;
+    const Point2d b = c.imagePoint + c.normal * reach;
+    return std::min(a.x, b.x) >= 0 && std::min(a.y, b.y) >= 0 && std::max(a.x, b.x) < image.cols - 1.001 && std::max(a.y, b.y) < image.rows - 1.001;
+}
+
+// The median strength about the outline: that of texture and noise.
+float medianStrength(const Mat& image, const std::vector<ContourPoint>& points)
+{
+    const int looks = 32, reach = 12, n = 2 * reach + 1;   // so many points, and so far, tell
+    float profile[3 * n], energy[n], strengths[looks * n];
+    int count = 0;
+    for (size_t i = 0; i < points.size(); i += points.size() / looks + 1)
+    {
+        Point2d a;
+        if (!profileInside(image, points[i], reach, a)) continue;
+        if (image.channels() == 3) readProfile<3>(image, a, points[i].normal, n, profile);
+        else readProfile<1>(image, a, points[i].normal, n, profile);
+        profileEnergy(profile, image.channels(), n, energy);
+        for (int j = 2; j < n - 2; j += 2)
+            if (energy[j] > 0) strengths[count++] = energy[j];   // not of black surrounds
+    }
+    if (!count) return 0;
+    std::nth_element(strengths, strengths + count / 2, strengths + count);
+    return std::sqrt(strengths[count / 2]);
+}
+
+double strengthAsked(const Mat& image, const std::vector<ContourPoint>& points, const ContourSearch& search)
+{
+    if (search.contrast <= 0) return search.minStrength;
+    return std::min(search.minStrength, std::max(search.leastStrength, search.contrast * medianStrength(image, points)));
+}
+
 } // namespace
 
 int matchContour(InputArray _image, std::vector<ContourPoint>& points, const ContourSearch& search)
@@ -45,32 +95,28 @@ int matchContour(InputArray _image, std::vector<ContourPoint>& points, const Con
     CV_Check(search.halfWindow, search.halfWindow >= 1 && search.halfWindow <= maxHalf, "ContourSearch::halfWindow must be in 1..40");
     CV_Check(search.preference, search.preference >= 0 && search.preference < DBL_MAX, "ContourSearch::preference must not be negative");
     CV_Check(search.minStrength, search.minStrength >= 0 && search.minStrength < DBL_MAX, "ContourSearch::minStrength must not be negative");
+    CV_Check(search.contrast, search.contrast >= 0 && search.contrast < DBL_MAX, "ContourSearch::contrast must not be negative");
+    CV_Check(search.leastStrength, search.leastStrength >= 0 && search.leastStrength < DBL_MAX, "ContourSearch::leastStrength must not be negative");
     CV_Check(search.ambiguity, search.ambiguity >= 0 && search.ambiguity <= 1, "ContourSearch::ambiguity must be in 0..1");
     const int half = cvRound(search.halfWindow), reach = half + 4, n = 2 * reach + 1, channels = image.channels();
     float profile[3 * (2 * maxHalf + 9)], energy[2 * maxHalf + 9], prior[2 * maxHalf + 9];
     for (int i = 0; i < n; i++) prior[i] = search.preference > 0 ? std::exp(-0.5f * float((i - reach) * (i - reach)) / float(search.preference * search.preference * half * half)) : 1.f;
+    const double leastStrength = strengthAsked(image, points, search);
+    const float least = float(leastStrength * leastStrength);
+    // Where all edges are weaker, weak ones are placed as well.
+    const double unit = search.minStrength > 0 ? 12 * leastStrength / search.minStrength : 12;
     int found = 0;
     for (size_t i = 0; i < points.size(); i++)
     {
         ContourPoint& c = points[i];
         c.found = false;
-        const Point2d a = c.imagePoint - c.normal * reach, b = c.imagePoint + c.normal * reach;
-        if (!(std::min(a.x, b.x) >= 0 && std::min(a.y, b.y) >= 0 && std::max(a.x, b.x) < image.cols - 1.001 && std::max(a.y, b.y) < image.rows - 1.001)) continue;
+        Point2d a;
+        if (!profileInside(image, c, reach, a)) continue;
         if (channels == 3) readProfile<3>(image, a, c.normal, n, profile);
         else readProfile<1>(image, a, c.normal, n, profile);
-        std::fill(energy, energy + n, 0.f);
-        for (int k = 0; k < channels; k++)
-        {
-            const float* p = profile + k * n;
-            for (int j = 2; j < n - 2; j++)
-            {
-                const float g = ((p[j + 1] - p[j - 1]) * 2 + (p[j + 2] - p[j - 2])) * 0.125f;
-                energy[j] += g * g;
-            }
-        }
+        profileEnergy(profile, channels, n, energy);
         int best = -1;
         float bestScore = 0, second = 0;
-        const float least = float(search.minStrength * search.minStrength);
         for (int j = 4; j < n - 4; j++)
         {
             if (energy[j] < least || energy[j] < energy[j - 1] || energy[j] <= energy[j + 1]) continue;
@@ -101,7 +147,7 @@ int matchContour(InputArray _image, std::vector<ContourPoint>& points, const Con
         c.offset = best - reach + at - 2 + vertex(linear[at - 1], linear[at], linear[at + 1]);
         c.offset = std::min(std::max(c.offset, best - reach - 1.5), best - reach + 1.5);
         c.strength = std::sqrt(energy[best]);
-        c.deviation = std::sqrt(0.3 * 0.3 + 12 * 12 / energy[best]);
+        c.deviation = std::sqrt(0.3 * 0.3 + unit * unit / energy[best]);
         found++;
     }
     return found;

@@ -64,7 +64,14 @@ static int strength(int gx, int gy)
     return (16 * gx * gx >> 16) + (16 * gy * gy >> 16);
 }
 
-void quantize(const Mat& image, const Rect& window, int leastStrength, Mat& orientations)
+// About twice the Sobel magnitude in grey levels, 3 % too small to 7 % too large, at most 255.
+static uchar byteSize(int gx, int gy)
+{
+    const int x = std::abs(gx), y = std::abs(gy);
+    return uchar(std::min((std::max(x, y) + (3 * std::min(x, y) >> 3)) >> 3, 255));
+}
+
+void quantize(const Mat& image, const Rect& window, int leastStrength, Mat& orientations, Mat* sizes)
 {
     // Sobel and vote reach one pixel each.
     const Rect area(window.x - 2, window.y - 2, window.width + 4, window.height + 4);
@@ -87,6 +94,7 @@ void quantize(const Mat& image, const Rect& window, int leastStrength, Mat& orie
             }
             bins(y, x) = uchar(orientationBin(gx, gy));
             strong(y, x) = strength(gx, gy) >= leastStrength;
+            if (sizes && Rect(1, 1, window.width, window.height).contains(Point(x, y))) sizes->at<uchar>(y - 1, x - 1) = byteSize(gx, gy);
         }
 
     for (int y = 0; y < window.height; y++)
@@ -102,6 +110,12 @@ void quantize(const Mat& image, const Rect& window, int leastStrength, Mat& orie
             }
             orientations.at<uchar>(y, x) = result;
         }
+}
+
+void dropWeak(uchar* bits, const uchar* sizes, const uchar* least, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (sizes[i] < least[i]) bits[i] = 0;
 }
 
 void spread(const Mat& src, Mat& dst, int size)
@@ -136,9 +150,14 @@ int leastStrength(double magnitudeThreshold)
     return std::min(cvCeil(magnitudeThreshold * magnitudeThreshold / 16), int(SHRT_MAX));   // no gradient is that strong
 }
 
-void quantize(const Mat& image, const Rect& window, int leastStrength, Mat& orientations, std::vector<uchar>& workspace)
+void quantize(const Mat& image, const Rect& window, int leastStrength, Mat& orientations, std::vector<uchar>& workspace, Mat* sizes)
 {
-    CV_CPU_DISPATCH(quantizeKernel, (image, window, leastStrength, orientations, workspace), CV_CPU_DISPATCH_MODES_ALL);
+    CV_CPU_DISPATCH(quantizeKernel, (image, window, leastStrength, orientations, sizes, workspace), CV_CPU_DISPATCH_MODES_ALL);
+}
+
+void dropWeak(uchar* bits, const uchar* sizes, const uchar* least, int n)
+{
+    CV_CPU_DISPATCH(dropWeakKernel, (bits, sizes, least, n), CV_CPU_DISPATCH_MODES_ALL);
 }
 
 void spread(const Mat& src, Mat& dst, int size, std::vector<uchar>& workspace)

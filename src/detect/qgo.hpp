@@ -18,8 +18,12 @@ Mat keptImage(std::vector<uchar>& memory, const Size& size);
 
 /** quantizeOrientations() of a window that lies in the image.
 @param orientations of the window's size
-@param workspace memory that is kept from call to call */
-void quantize(const Mat& image, const Rect& window, int leastStrength, Mat& orientations, std::vector<uchar>& workspace);
+@param workspace memory that is kept from call to call
+@param sizes of the window's size, CV_8UC1: about twice the gradients' magnitude, at most 255; for dropWeak() */
+CV_EXPORTS void quantize(const Mat& image, const Rect& window, int leastStrength, Mat& orientations, std::vector<uchar>& workspace, Mat* sizes = 0);
+
+//! Orientations of a row whose size is less than asked for at its place are none.
+CV_EXPORTS void dropWeak(uchar* bits, const uchar* sizes, const uchar* least, int n);
 
 //! spreadOrientations(); dst is not src.
 void spread(const Mat& src, Mat& dst, int size, std::vector<uchar>& workspace);
@@ -58,7 +62,8 @@ void cellSimilarities(const uchar* bits, size_t step, const CellFeature* feature
 
 // The definitions, pixel by pixel; what the fast kernels are tested against.
 namespace plain {
-void quantize(const Mat& image, const Rect& window, int leastStrength, Mat& orientations);
+CV_EXPORTS void quantize(const Mat& image, const Rect& window, int leastStrength, Mat& orientations, Mat* sizes = 0);
+CV_EXPORTS void dropWeak(uchar* bits, const uchar* sizes, const uchar* least, int n);
 void spread(const Mat& src, Mat& dst, int size);
 void response(const Mat& bits, int bin, Mat& dst);
 } // namespace plain

@@ -15,7 +15,8 @@ namespace cv { namespace surgtrack {
 
 CV_CPU_OPTIMIZATION_NAMESPACE_BEGIN
 
-void quantizeKernel(const Mat& image, const Rect& window, int leastStrength, Mat& orientations, std::vector<uchar>& workspace);
+void quantizeKernel(const Mat& image, const Rect& window, int leastStrength, Mat& orientations, Mat* sizes, std::vector<uchar>& workspace);
+void dropWeakKernel(uchar* bits, const uchar* sizes, const uchar* least, int n);
 void spreadKernel(const Mat& src, Mat& dst, int size, std::vector<uchar>& workspace);
 void responseKernel(const uchar* bits, size_t bitsStep, Size size, uchar* planes, size_t planeStep, size_t planeSize);
 void similarityKernel(const uchar* planes, size_t step, const int* offsets, int features, Size window, ushort* sums);
@@ -163,8 +164,16 @@ inline v_uint8 interleave(const v_int16& even, const v_int16& odd)
     return v_reinterpret_as_u8(bor(band(even, vx_setall_s16(255)), v_shl<8>(odd)));
 }
 
-// Bits and strength of a row; may overrun.
-void orientRow(const Rows* rows, int channels, int n, int half, int leastStrength, uchar* bits, uchar* strong)
+// See plain::byteSize().
+inline v_int16 byteSize(const Gradient& g)
+{
+    const v_uint16 x = v_abs(g.x), y = v_abs(g.y), less = v_min(x, y);
+    const v_uint16 size = add(v_max(x, y), v_shr<3>(add(less, add(less, less))));
+    return v_reinterpret_as_s16(v_min(v_shr<3>(size), vx_setall_u16(255)));
+}
+
+// Bits and strength of a row, and, if asked for, its sizes; may overrun.
+void orientRow(const Rows* rows, int channels, int n, int half, int leastStrength, uchar* bits, uchar* strong, uchar* sizes)
 {
     const v_int16 belowStrength = vx_setall_s16(short(leastStrength - 1));
     for (int i = 0; 2 * i < n; i += lanes<v_int16>())
@@ -178,8 +187,10 @@ void orientRow(const Rows* rows, int channels, int n, int half, int leastStrengt
             odd[c].set(vx_load(t + half), vx_load(t + half + 1), d1, d2, d3);
         }
         v_int16 bit[2], mask[2];
-        orient(channels == 3 ? strongest(even) : even[0], belowStrength, bit[0], mask[0]);
-        orient(channels == 3 ? strongest(odd) : odd[0], belowStrength, bit[1], mask[1]);
+        const Gradient &g0 = channels == 3 ? strongest(even) : even[0], &g1 = channels == 3 ? strongest(odd) : odd[0];
+        orient(g0, belowStrength, bit[0], mask[0]);
+        orient(g1, belowStrength, bit[1], mask[1]);
+        if (sizes) v_store(sizes + 2 * i, interleave(byteSize(g0), byteSize(g1)));
         v_store(bits + 2 * i, interleave(bit[0], bit[1]));
         v_store(strong + 2 * i, interleave(mask[0], mask[1]));
     }
@@ -227,17 +238,17 @@ template <typename T> T* take(uchar*& memory, size_t count)
 
 #if CV_SIMD
 // A window as wide as the first-level cache has room for its rows.
-static void quantizeStrip(const Mat& image, const Rect& window, int leastStrength, Mat& orientations, int x, std::vector<uchar>& workspace)
+static void quantizeStrip(const Mat& image, const Rect& window, int leastStrength, Mat& orientations, Mat* sizes, int x, std::vector<uchar>& workspace)
 {
     const int c = image.channels(), w = window.width, h = window.height;
     const int x0 = window.x - 5, n = w + 10;                                     // columns needed, some beyond the image
     const int inside0 = std::max(x0, 0), inside1 = std::min(x0 + n, image.cols);
     const int half = (n / 2 + slack / 2) & ~31;
-    const size_t bytes = (2 * size_t(n) + 10 * sizeof(short) * 2 * half) * c + 8 * size_t(n) + (1 + 11 * c + 8) * 2 * slack;
+    const size_t bytes = (2 * size_t(n) + 10 * sizeof(short) * 2 * half) * c + 10 * size_t(n) + (1 + 11 * c + 10) * 2 * slack;
     if (workspace.size() < bytes) workspace.resize(bytes);
     uchar* memory = alignPtr(&workspace[0], 64);
     uchar* row = take<uchar>(memory, size_t(n) * c);
-    uchar *planes[3] = {row, 0, 0}, *bits[3], *strong[2];
+    uchar *planes[3] = {row, 0, 0}, *bits[3], *strong[2], *size[2];
     Rows rows[3];
     for (int i = 0; i < c; i++)
     {
@@ -253,7 +264,11 @@ static void quantizeStrip(const Mat& image, const Rect& window, int leastStrengt
         rows[i].difference = take<short>(memory, 2 * half);
     }
     for (int i = 0; i < 3; i++) bits[i] = take<uchar>(memory, n);
-    for (int i = 0; i < 2; i++) strong[i] = take<uchar>(memory, n);
+    for (int i = 0; i < 2; i++)
+    {
+        strong[i] = take<uchar>(memory, n);
+        size[i] = take<uchar>(memory, n);
+    }
     uchar *ones = take<uchar>(memory, n), *twos = take<uchar>(memory, n), *voted = take<uchar>(memory, n);
 
     // Row y of the window needs bits of y - 1 .. y + 1, blurred rows of y - 2 .. y + 2, image rows of y - 5 .. y + 5.
@@ -267,25 +282,40 @@ static void quantizeStrip(const Mat& image, const Rect& window, int leastStrengt
         for (int i = 0; i < c; i++) blurAndDifference(planes[i], w + 4, half, y & 1, rows[i]);
         if (y < 3) continue;
         // blurred rows y - 5, y - 4, y - 3 are there: bits of row y - 4
-        orientRow(rows, c, w + 2, half, leastStrength, bits[y % 3], strong[y % 2]);
+        orientRow(rows, c, w + 2, half, leastStrength, bits[y % 3], strong[y % 2], sizes ? size[y % 2] : 0);
         if (y < 5) continue;
         // bits of rows y - 6, y - 5, y - 4: row y - 5 of the result
         vote(bits[(y + 1) % 3], bits[(y + 2) % 3], bits[y % 3], strong[(y + 1) % 2], w, ones, twos, voted);
         std::copy(voted, voted + w, orientations.ptr(y - 5) + x);
+        if (sizes) std::copy(size[(y + 1) % 2] + 1, size[(y + 1) % 2] + 1 + w, sizes->ptr(y - 5) + x);
     }
 }
 #endif
 
-void quantizeKernel(const Mat& image, const Rect& window, int leastStrength, Mat& orientations, std::vector<uchar>& workspace)
+void quantizeKernel(const Mat& image, const Rect& window, int leastStrength, Mat& orientations, Mat* sizes, std::vector<uchar>& workspace)
 {
 #if CV_SIMD
     const int strips = (window.width + 379) / 380, width = (window.width + strips - 1) / strips;
     for (int x = 0; x < window.width; x += width)
-        quantizeStrip(image, Rect(window.x + x, window.y, std::min(width, window.width - x), window.height), leastStrength, orientations, x, workspace);
+        quantizeStrip(image, Rect(window.x + x, window.y, std::min(width, window.width - x), window.height), leastStrength, orientations, sizes, x, workspace);
 #else
     CV_UNUSED(workspace);
-    plain::quantize(image, window, leastStrength, orientations);
+    plain::quantize(image, window, leastStrength, orientations, sizes);
 #endif
+}
+
+void dropWeakKernel(uchar* bits, const uchar* sizes, const uchar* least, int n)
+{
+    int i = 0;
+#if CV_SIMD
+    for (; i <= n - lanes<v_uint8>(); i += lanes<v_uint8>())
+    {
+        const v_uint8 size = vx_load(sizes + i);
+        v_store(bits + i, band(vx_load(bits + i), equal(v_max(size, vx_load(least + i)), size)));
+    }
+#endif
+    for (; i < n; i++)
+        if (sizes[i] < least[i]) bits[i] = 0;
 }
 
 void spreadKernel(const Mat& src, Mat& dst, int size, std::vector<uchar>& workspace)

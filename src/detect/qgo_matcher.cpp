@@ -6,12 +6,13 @@
 #include "opencv2/surgtrack/qgo_matcher.hpp"
 #include "base/checks.hpp"
 #include "detect/qgo.hpp"
+#include "detect/contrast.hpp"
 #include "detect/whole_image_search.hpp"
 
 namespace cv { namespace surgtrack {
 
 QGOMatcher::Params::Params()
-    : magnitudeThreshold(50), spread(5), candidates(5), suppressionRadius(6), minSimilarity(0.5), relativeSimilarity(0.7)
+    : magnitudeThreshold(50), contrast(2), leastMagnitude(8), spread(5), candidates(5), suppressionRadius(6), minSimilarity(0.5), relativeSimilarity(0.7)
 {
 }
 
@@ -42,6 +43,9 @@ class QGOMatcherImpl CV_FINAL : public QGOMatcher
 public:
     explicit QGOMatcherImpl(const Params& params) : params_(params), step_(0), planeSize_(0)
     {
+        CV_Check(params.contrast, params.contrast >= 0 && params.contrast < DBL_MAX, "Params::contrast must not be negative");
+        CV_Check(params.leastMagnitude, params.leastMagnitude >= 0 && params.leastMagnitude < DBL_MAX, "Params::leastMagnitude must not be negative");
+        if (params.contrast > 0) CV_CheckLE(params.magnitudeThreshold, 127., "Params::magnitudeThreshold: more goes without contrast only");
         CV_Check(params.spread, params.spread > 0 && params.spread % 2 == 1, "Params::spread must be odd and positive");
         CV_CheckGT(params.candidates, 0, "Params::candidates must be positive");
         CV_CheckGE(params.suppressionRadius, 0, "Params::suppressionRadius must not be negative");
@@ -50,6 +54,12 @@ public:
     void setImage(InputArray image, const Rect& roi) CV_OVERRIDE;
     void match(const std::vector<PartTemplate>& templates, const std::vector<Rect>& windows, std::vector<PartMatch>& matches) CV_OVERRIDE;
     void similarityMap(const PartTemplate& partTemplate, const Rect& window, OutputArray similarity) CV_OVERRIDE;
+    void orientations(OutputArray result) const CV_OVERRIDE
+    {
+        CV_Assert(!imageSize_.empty() && "setImage() comes first");
+        if (roi_.empty()) result.release();
+        else orientations_.copyTo(result);
+    }
 
 private:
     void prepareResponses(const Rect& needed);
@@ -59,7 +69,8 @@ private:
     Params params_;
     Size imageSize_;
     Rect roi_;                     // what is prepared
-    std::vector<uchar> orientationMemory_, spreadMemory_;
+    std::vector<uchar> orientationMemory_, spreadMemory_, sizeMemory_;
+    LocalThreshold threshold_;
     Mat orientations_, spread_;    // views of it
     std::vector<uchar> workspace_;
     // Eight maps of the responses 4, 1, 0 for windows; zeros where they cover more than roi_, which features beyond it fall on.
@@ -92,7 +103,15 @@ void QGOMatcherImpl::setImage(InputArray _image, const Rect& roi)
     if (roi_.empty()) return;
     orientations_ = keptImage(orientationMemory_, roi_.size());
     spread_ = keptImage(spreadMemory_, roi_.size());
-    quantize(image, roi_, leastStrength(params_.magnitudeThreshold), orientations_, workspace_);
+    const double least = std::min(params_.leastMagnitude, params_.magnitudeThreshold);
+    if (params_.contrast > 0)
+    {
+        Mat sizes = keptImage(sizeMemory_, roi_.size());
+        quantize(image, roi_, leastStrength(least), orientations_, workspace_, &sizes);
+        threshold_.measure(sizes, roi_.tl(), params_.contrast, 2 * least, 2 * params_.magnitudeThreshold);
+        threshold_.apply(orientations_, sizes);
+    }
+    else quantize(image, roi_, leastStrength(params_.magnitudeThreshold), orientations_, workspace_);
     spread(orientations_, spread_, params_.spread, workspace_);
 }
 

@@ -71,11 +71,14 @@ bool FullMethod::beginAnew(Scene& scene, int first, int last)
     return found;
 }
 
-// Everything from the filter's prediction, which is vague, and the parts found: in several rounds, each drawn where the one before ended.
+/* Everything from the filter's prediction, which is vague, and the parts found: in several rounds, each drawn where the one before
+   ended. The one that explains the image best is kept: the next may end in the wrong one of two depths. */
 void FullMethod::fit(Scene& scene, const StartCandidate& candidate)
 {
     sights_[0].found.inliers = candidate.inliers;
     correctPoints(scene, 1);   // the first matches are of one eye
+    double most = -DBL_MAX;
+    Pose best;
     for (int round = 0; round < fitRounds; round++)
     {
         const ToolView view = filter_->view();
@@ -93,7 +96,12 @@ void FullMethod::fit(Scene& scene, const StartCandidate& candidate)
         visibleParts_ = int(sights_[0].cut->templates.size());
         if (round == 0) correctPoints(scene, scene.open);
         refine(scene, round < 2 ? startPass : trackPass);
+        const double merit = evidence_.merit(thresholds_);
+        if (merit < most) continue;
+        most = merit;
+        best = pose();
     }
+    setPose(best);
 }
 
 }} // namespace cv::surgtrack

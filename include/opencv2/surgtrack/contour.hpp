@@ -80,12 +80,15 @@ struct CV_EXPORTS_W_SIMPLE ContourSearch
     CV_WRAP ContourSearch();
     CV_PROP_RW double halfWindow;    //!< on both sides of the expected place, 1 to 40 [pixel]
     CV_PROP_RW double preference;    //!< edges this far from the expected place count 0.6 of one there, as a share of halfWindow; 0 = all the same
-    CV_PROP_RW double minStrength;   //!< weaker edges are none [grey levels a pixel]
+    CV_PROP_RW double minStrength;   //!< weaker edges are none [grey levels a pixel]; the most that is asked for
+    CV_PROP_RW double contrast;      //!< edges must be so many times the median strength along the normals, where that is less than minStrength; 0 = not looked at; default 1.1: a ramp has none
+    CV_PROP_RW double leastStrength; //!< contrast never asks for less; default 1: a blurred edge of three grey levels
     CV_PROP_RW double ambiguity;     //!< a point with a second edge more than this share as likely as the first is left out
 };
 
 /** @brief Looks for an edge on the normal of each point, to a fraction of a pixel: the maximum of the image's gradient along the
-normal, over all channels, nearer ones preferred.
+normal, over all channels, nearer ones preferred. In dim or hazy pictures weaker edges are believed, and their deviations are
+smaller, as much as the threshold is. Rendered scenes in good light have medians of 5.5 to 7.5, where minStrength rules.
 @param image CV_8UC1 or CV_8UC3
 @param points their found, offset and strength are set
 @param search where to look

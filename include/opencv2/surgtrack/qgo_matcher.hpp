@@ -20,6 +20,11 @@ The similarity of a template at a place is the mean, over its features, of 1 whe
 orientation, 1/4 where it holds a neighbouring one, else 0; sums of small integers over sliding windows, no per-pixel loop over
 features.
 
+Gradients count where they are strong for the picture, not for a fixed light: compared to the median of their tile of 128 x 128
+pixels, and of all that is prepared, whichever is less. Half of a picture is texture and noise, no outline of a tool. Of noise a
+sixteenth is more than twice as strong as its median, and then five neighbours of nine must agree on the direction. So a dim
+picture, one in haze and one with another tone curve have nearly the same orientations.
+
 A window is searched place by place. The whole image is searched in cells of 4 x 4 places first, whose similarity bounds that of
 their places from above; cells are then looked into, the most promising first, until the best place found beats all bounds that
 are left. So the best match of a template is that of a search place by place, unless thousands of cells promise as much (a
@@ -34,7 +39,9 @@ public:
     struct CV_EXPORTS_W_SIMPLE Params
     {
         CV_WRAP Params();
-        CV_PROP_RW double magnitudeThreshold;   //!< see quantizeOrientations(); default 50, as the paper's release
+        CV_PROP_RW double magnitudeThreshold;   //!< see quantizeOrientations(); the most that is asked for; default 50, as the paper's release
+        CV_PROP_RW double contrast;             //!< gradients must be so many times the median around, where that is less than magnitudeThreshold (then up to 127); 0 = not looked at; default 2
+        CV_PROP_RW double leastMagnitude;       //!< contrast never asks for less; default 8: a blurred edge of four grey levels, as rounding and compression make
         CV_PROP_RW int spread;                  //!< see spreadOrientations() [pixel]; default 5, as the paper's release
         CV_PROP_RW int candidates;              //!< at most so many matches a part; default 5 (paper: top 5)
         CV_PROP_RW int suppressionRadius;       //!< a match suppresses weaker ones of its part this near [pixel]; default 6
@@ -63,6 +70,10 @@ public:
     @param window where its keypoint may be [pixel]
     @param similarity CV_16UC1 of the window's size: sum over features of 4, 1 or 0 */
     CV_WRAP virtual void similarityMap(const PartTemplate& partTemplate, const Rect& window, OutputArray similarity) = 0;
+
+    /** @brief What is matched, before it is spread.
+    @param orientations of the prepared region, as of quantizeOrientations() */
+    CV_WRAP virtual void orientations(OutputArray orientations) const = 0;
 };
 
 //! @}

@@ -559,6 +559,11 @@ class QGOMatcher:
     orientation, 1/4 where it holds a neighbouring one, else 0; sums of small integers over sliding windows, no per-pixel loop over
     features.
 
+    Gradients count where they are strong for the picture, not for a fixed light: compared to the median of their tile of 128 x 128
+    pixels, and of all that is prepared, whichever is less. Half of a picture is texture and noise, no outline of a tool. Of noise a
+    sixteenth is more than twice as strong as its median, and then five neighbours of nine must agree on the direction. So a dim
+    picture, one in haze and one with another tone curve have nearly the same orientations.
+
     A window is searched place by place. The whole image is searched in cells of 4 x 4 places first, whose similarity bounds that of
     their places from above; cells are then looked into, the most promising first, until the best place found beats all bounds that
     are left. So the best match of a template is that of a search place by place, unless thousands of cells promise as much (a
@@ -571,7 +576,11 @@ class QGOMatcher:
     class Params:
         def __init__(self) -> None: ...
         magnitudeThreshold: float
-        """see quantizeOrientations(); default 50, as the paper's release"""
+        """see quantizeOrientations(); the most that is asked for; default 50, as the paper's release"""
+        contrast: float
+        """gradients must be so many times the median around, where that is less than magnitudeThreshold (then up to 127); 0 = not looked at; default 2"""
+        leastMagnitude: float
+        """contrast never asks for less; default 8: a blurred edge of four grey levels, as rounding and compression make"""
         spread: int
         """see spreadOrientations() [pixel]; default 5, as the paper's release"""
         candidates: int
@@ -607,6 +616,12 @@ class QGOMatcher:
         partTemplate: what to look for
         window: where its keypoint may be [pixel]
         similarity: CV_16UC1 of the window's size: sum over features of 4, 1 or 0
+        """
+        ...
+    def orientations(self, orientations: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
+        """What is matched, before it is spread.
+
+        orientations: of the prepared region, as of quantizeOrientations()
         """
         ...
 
@@ -839,13 +854,18 @@ class ContourSearch:
     preference: float
     """edges this far from the expected place count 0.6 of one there, as a share of halfWindow; 0 = all the same"""
     minStrength: float
-    """weaker edges are none [grey levels a pixel]"""
+    """weaker edges are none [grey levels a pixel]; the most that is asked for"""
+    contrast: float
+    """edges must be so many times the median strength along the normals, where that is less than minStrength; 0 = not looked at; default 1.1: a ramp has none"""
+    leastStrength: float
+    """contrast never asks for less; default 1: a blurred edge of three grey levels"""
     ambiguity: float
     """a point with a second edge more than this share as likely as the first is left out"""
 
 def matchContour(image: NDArray[Any], points: _Sequence[ContourPoint], search: ContourSearch) -> Tuple[int, Tuple[ContourPoint, ...]]:
     """Looks for an edge on the normal of each point, to a fraction of a pixel: the maximum of the image's gradient along the
-    normal, over all channels, nearer ones preferred.
+    normal, over all channels, nearer ones preferred. In dim or hazy pictures weaker edges are believed, and their deviations are
+    smaller, as much as the threshold is. Rendered scenes in good light have medians of 5.5 to 7.5, where minStrength rules.
 
     image: CV_8UC1 or CV_8UC3
     points: their found, offset and strength are set
