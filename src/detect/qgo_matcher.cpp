@@ -11,7 +11,7 @@ namespace cv { namespace surgtrack {
 PartMatch::PartMatch() : tool(0), part(0), similarity(0), templateIndex(0) {}
 
 QGOMatcher::Params::Params()
-    : magnitudeThreshold(50), contrast(2), leastMagnitude(8), spread(5), candidates(5), suppressionRadius(6), minSimilarity(0.5), relativeSimilarity(0.7)
+    : magnitudeThreshold(50), contrast(1.5), leastMagnitude(8), spread(5), candidates(5), suppressionRadius(6), minSimilarity(0.5), relativeSimilarity(0.7)
 {
 }
 
