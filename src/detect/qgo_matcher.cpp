@@ -12,7 +12,7 @@
 namespace cv { namespace surgtrack {
 
 QGOMatcher::Params::Params()
-    : magnitudeThreshold(50), contrast(2), leastMagnitude(8), spread(5), candidates(5), suppressionRadius(6), minSimilarity(0.5), relativeSimilarity(0.7)
+    : magnitudeThreshold(50), contrast(1.5), leastMagnitude(8), spread(5), candidates(5), suppressionRadius(6), minSimilarity(0.5), relativeSimilarity(0.7)
 {
 }
 

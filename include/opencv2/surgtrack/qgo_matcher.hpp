@@ -22,7 +22,7 @@ features.
 
 Gradients count where they are strong for the picture, not for a fixed light: compared to the median of their tile of 128 x 128
 pixels, and of all that is prepared, whichever is less. Half of a picture is texture and noise, no outline of a tool. Of noise a
-sixteenth is more than twice as strong as its median, and then five neighbours of nine must agree on the direction. So a dim
+fifth is more than 1.5 times as strong as its median, and then five neighbours of nine must agree on the direction. So a dim
 picture, one in haze and one with another tone curve have nearly the same orientations.
 
 A window is searched place by place. The whole image is searched in cells of 4 x 4 places first, whose similarity bounds that of
@@ -40,7 +40,7 @@ public:
     {
         CV_WRAP Params();
         CV_PROP_RW double magnitudeThreshold;   //!< see quantizeOrientations(); the most that is asked for; default 50, as the paper's release
-        CV_PROP_RW double contrast;             //!< gradients must be so many times the median around, where that is less than magnitudeThreshold (then up to 127); 0 = not looked at; default 2
+        CV_PROP_RW double contrast;             //!< gradients must be so many times the median around, where that is less than magnitudeThreshold (then up to 127); 0 = not looked at; default 1.5, from rendered scenes (1.5 to 3)
         CV_PROP_RW double leastMagnitude;       //!< contrast never asks for less; default 8: a blurred edge of four grey levels, as rounding and compression make
         CV_PROP_RW int spread;                  //!< see spreadOrientations() [pixel]; default 5, as the paper's release
         CV_PROP_RW int candidates;              //!< at most so many matches a part; default 5 (paper: top 5)

@@ -561,7 +561,7 @@ class QGOMatcher:
 
     Gradients count where they are strong for the picture, not for a fixed light: compared to the median of their tile of 128 x 128
     pixels, and of all that is prepared, whichever is less. Half of a picture is texture and noise, no outline of a tool. Of noise a
-    sixteenth is more than twice as strong as its median, and then five neighbours of nine must agree on the direction. So a dim
+    fifth is more than 1.5 times as strong as its median, and then five neighbours of nine must agree on the direction. So a dim
     picture, one in haze and one with another tone curve have nearly the same orientations.
 
     A window is searched place by place. The whole image is searched in cells of 4 x 4 places first, whose similarity bounds that of
@@ -578,7 +578,7 @@ class QGOMatcher:
         magnitudeThreshold: float
         """see quantizeOrientations(); the most that is asked for; default 50, as the paper's release"""
         contrast: float
-        """gradients must be so many times the median around, where that is less than magnitudeThreshold (then up to 127); 0 = not looked at; default 2"""
+        """gradients must be so many times the median around, where that is less than magnitudeThreshold (then up to 127); 0 = not looked at; default 1.5, from rendered scenes (1.5 to 3)"""
         leastMagnitude: float
         """contrast never asks for less; default 8: a blurred edge of four grey levels, as rounding and compression make"""
         spread: int
