@@ -168,7 +168,11 @@ void PartFinderImpl::find(const PartDrawing& drawing, const PartWindows& windows
     const Rect roi = place(drawing, windows, found.windows);
     if (roi.empty()) return;
     Lap lap;
-    if ((roi & prepared_) != roi) prepare(roi);
+    if ((roi & prepared_) != roi)   // what a find() before prepared does not count: nothing depends on what was looked for before
+    {
+        prepared_ = Rect();
+        matcher_->setImage(pixels(roi), roi);
+    }
     found.imageTime = lap();
     matcher_->match(drawing.templates, found.windows, found.matches);
     for (size_t i = 0; i < found.matches.size(); i++) found.matches[i].predictedPoint = expected_[found.matches[i].templateIndex];
