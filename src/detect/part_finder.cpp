@@ -5,6 +5,7 @@
 #include "precomp.hpp"
 #include "opencv2/surgtrack/part_finder.hpp"
 #include "base/checks.hpp"
+#include "detect/image_state.hpp"
 #include "base/geometry.hpp"
 #include "model/camera.hpp"
 
@@ -47,7 +48,7 @@ class PartFinderImpl CV_FINAL : public PartFinder
 public:
     PartFinderImpl(const CameraModel& full, const Ptr<PartTemplateRenderer>& templates, const Ptr<QGOMatcher>& matcher, const Matx44d& eye_T_camera)
         : imageSize_(full.imageSize()), reduction_(std::max(1, imageSize_.width / referenceWidth)), camera_(reduceCamera(full, reduction_)),
-          pixelScale_(camera_.imageSize().width / double(referenceWidth)), eye_T_camera_(eye_T_camera), moved_(eye_T_camera != Matx44d::eye()),
+          pixelScale_(camera_.imageSize().width / double(referenceWidth)), eye_T_camera_(eye_T_camera), moved_(eye_T_camera != Matx44d::eye()), interlaced_(false),
           templates_(templates), matcher_(matcher)
     {
         CV_Assert(templates);
@@ -65,11 +66,21 @@ public:
     void draw(const std::vector<ToolView>& views, int tool, PartDrawing& drawing, double scale, double rotation, bool alone) CV_OVERRIDE;
     void setImage(const Mat& image) CV_OVERRIDE;
     void release() CV_OVERRIDE { image_.release(); }
+    void setMask(const Mat& mask) CV_OVERRIDE;
+    bool isInterlaced() const CV_OVERRIDE { return interlaced_; }
+    bool sees(const Point2d& p) const CV_OVERRIDE { return visible_.sees(enlarged(p)); }
+    double change(const Rect& region) const CV_OVERRIDE
+    {
+        return samples_.change(Rect(region.x * reduction_, region.y * reduction_, region.width * reduction_, region.height * reduction_));
+    }
     const Mat& pixels(const Rect& region) CV_OVERRIDE;
     void prepare(const Rect& region) CV_OVERRIDE;
     void find(const PartDrawing& drawing, const PartWindows& windows, GeometricContextVerifier& verifier, FoundParts& found) CV_OVERRIDE;
 
 private:
+    Point2d enlarged(const Point2d& p) const { return Point2d((p.x + 0.5) * reduction_ - 0.5, (p.y + 0.5) * reduction_ - 0.5); }
+    void setMatcherImage(const Rect& region);
+    const std::vector<PartTemplate>& withoutHidden(const PartDrawing& drawing);
     Rect place(const PartDrawing& drawing, const PartWindows& windows, std::vector<Rect>& placed);
 
     Size imageSize_;
@@ -78,9 +89,15 @@ private:
     double pixelScale_;
     Matx44d eye_T_camera_;
     bool moved_;             // eye_T_camera is not unit
+    bool interlaced_;        // the image is
     Ptr<PartTemplateRenderer> templates_;
     Ptr<QGOMatcher> matcher_;
     Mat image_, reduced_;    // reduced: up to date where it was asked for
+    Mat field_;              // of an interlaced image
+    VisibleRegion visible_;  // of the images given
+    ImageSamples samples_;
+    Mat mask_;               // of what is matched
+    std::vector<PartTemplate> seen_;   // templates without what is hidden
     Rect prepared_;          // of it, for matching
     std::vector<Point2d> expected_;   // a template; memory of find()
 };
@@ -102,6 +119,14 @@ void PartFinderImpl::setImage(const Mat& image)
     checkImage(image);
     CV_Assert(image.size() == imageSize_ && "image: of the camera's size");
     image_ = image;
+    interlaced_ = cv::surgtrack::isInterlaced(image);
+    if (interlaced_)
+    {
+        takeField(image, field_);
+        image_ = field_;
+    }
+    visible_.look(image_);
+    samples_.look(image_);
     prepared_ = Rect();
 }
 
@@ -127,7 +152,46 @@ void PartFinderImpl::prepare(const Rect& region)
 {
     const Rect all(Point(), camera_.imageSize());
     prepared_ = region.empty() ? all : region & all;
-    matcher_->setImage(pixels(prepared_), prepared_);
+    setMatcherImage(prepared_);
+}
+
+void PartFinderImpl::setMatcherImage(const Rect& region)
+{
+    if (!visible_.isPartial())
+    {
+        matcher_->setImage(pixels(region), region);
+        return;
+    }
+    mask_.create(camera_.imageSize(), CV_8UC1);
+    for (int y = region.y; y < region.y + region.height; y++)
+        for (int x = region.x; x < region.x + region.width; x++) mask_.at<uchar>(y, x) = sees(Point2d(x, y)) ? 255 : 0;
+    matcher_->setImage(pixels(region), region, mask_);
+}
+
+void PartFinderImpl::setMask(const Mat& mask)
+{
+    if (!mask.empty() && (mask.type() != CV_8UC1 || mask.size() != imageSize_))
+        CV_Error(Error::StsBadArg, format("mask must be CV_8UC1 of %d x %d, is %s of %d x %d", imageSize_.width, imageSize_.height,
+                                          typeToString(mask.type()).c_str(), mask.cols, mask.rows));
+    visible_.setMask(mask);
+}
+
+// Features where nothing can be seen, as far as it is known where the part is, tell nothing.
+const std::vector<PartTemplate>& PartFinderImpl::withoutHidden(const PartDrawing& drawing)
+{
+    if (!visible_.isPartial()) return drawing.templates;
+    seen_ = drawing.templates;
+    for (size_t i = 0; i < seen_.size(); i++)
+    {
+        const Point2d shift = expected_[i] - seen_[i].imagePoint + Point2d(seen_[i].anchor);
+        std::vector<TemplateFeature>& features = seen_[i].features;
+        size_t kept = 0;
+        for (size_t k = 0; k < features.size(); k++)
+            if (sees(shift + Point2d(features[k].x, features[k].y))) features[kept++] = features[k];
+        if (2 * kept < features.size()) kept = 0;   // the rest is not what was chosen to tell the part
+        features.resize(kept);
+    }
+    return seen_;
 }
 
 // The windows, and what of the image they and the templates in them cover.
@@ -171,10 +235,13 @@ void PartFinderImpl::find(const PartDrawing& drawing, const PartWindows& windows
     if ((roi & prepared_) != roi)   // what a find() before prepared does not count: nothing depends on what was looked for before
     {
         prepared_ = Rect();
-        matcher_->setImage(pixels(roi), roi);
+        setMatcherImage(roi);
     }
     found.imageTime = lap();
-    matcher_->match(drawing.templates, found.windows, found.matches);
+    const std::vector<PartTemplate>& templates = withoutHidden(drawing);
+    for (size_t i = 0; i < templates.size(); i++)
+        if (templates[i].features.empty()) found.windows[i] = Rect();
+    matcher_->match(templates, found.windows, found.matches);
     for (size_t i = 0; i < found.matches.size(); i++) found.matches[i].predictedPoint = expected_[found.matches[i].templateIndex];
     found.matchTime = lap();
     verifier.verify(found.matches, found.inliers);

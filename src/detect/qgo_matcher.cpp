@@ -51,7 +51,7 @@ public:
         CV_CheckGE(params.suppressionRadius, 0, "Params::suppressionRadius must not be negative");
     }
 
-    void setImage(InputArray image, const Rect& roi) CV_OVERRIDE;
+    void setImage(InputArray image, const Rect& roi, InputArray mask) CV_OVERRIDE;
     void match(const std::vector<PartTemplate>& templates, const std::vector<Rect>& windows, std::vector<PartMatch>& matches) CV_OVERRIDE;
     void similarityMap(const PartTemplate& partTemplate, const Rect& window, OutputArray similarity) CV_OVERRIDE;
     void orientations(OutputArray result) const CV_OVERRIDE
@@ -91,10 +91,11 @@ Rect reachIn(const PartTemplate& t, const Rect& window)
     return Rect(window.x + reach.x, window.y + reach.y, window.width + reach.width, window.height + reach.height);
 }
 
-void QGOMatcherImpl::setImage(InputArray _image, const Rect& roi)
+void QGOMatcherImpl::setImage(InputArray _image, const Rect& roi, InputArray _mask)
 {
-    const Mat image = _image.getMat();
+    const Mat image = _image.getMat(), mask = _mask.getMat();
     checkImage(image);
+    if (!mask.empty() && (mask.type() != CV_8UC1 || mask.size() != image.size())) CV_Error(Error::StsBadArg, "mask must be CV_8UC1 of the image's size");
     const Rect all(Point(), image.size());
     imageSize_ = image.size();
     roi_ = roi.empty() ? all : roi & all;
@@ -112,6 +113,7 @@ void QGOMatcherImpl::setImage(InputArray _image, const Rect& roi)
         threshold_.apply(orientations_, sizes);
     }
     else quantize(image, roi_, leastStrength(params_.magnitudeThreshold), orientations_, workspace_);
+    if (!mask.empty()) bitwise_and(orientations_, mask(roi_), orientations_, noArray());
     spread(orientations_, spread_, params_.spread, workspace_);
 }
 

@@ -69,6 +69,10 @@ void FullMethod::sampleOutline(Scene& scene, size_t e, const PartDrawing& drawin
     PartFinder& eye = *scene.eyes[e];
     std::vector<ContourPoint>& outline = sights_[e].outline;
     contour_->sample(eye.camera(), drawing.views[index_], drawing.rendering, index_ + 1, outline);
+    size_t seen = 0;
+    for (size_t i = 0; i < outline.size(); i++)
+        if (eye.sees(outline[i].imagePoint)) outline[seen++] = outline[i];
+    outline.resize(seen);
     if (outline.empty()) return;
     Rect2d box(outline[0].imagePoint, Size2d());
     for (size_t i = 0; i < outline.size(); i++) box |= Rect2d(outline[i].imagePoint, Size2d(1, 1));

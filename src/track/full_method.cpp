@@ -22,6 +22,12 @@ const double pushedSimilarity = 0.55;  // of all points that agree
 const double pushedNis = 0.75;         // of points, per degree of freedom; below 0.6 as a rule
 const double pushedLikelihood = 2;     // logarithm of the ratio; 99 of 100 frames without a push have less than 1
 
+/* An image that comes again: pictures of a camera differ by its noise, in each pixel by a grey level and more, and those of a tool
+   that has moved by a pixel by more than that. */
+const double staleChange = 0.5;        // mean over samples [grey levels]
+const double staleShift = 1;           // of a keypoint [pixel at 720 px image width]
+const double staleMargin = 30;         // about the keypoints [pixel at 720 px image width]
+
 // The outline is drawn anew where a keypoint has moved farther than this since: beyond, other points of the tool are its outline.
 const double maxContourShift = 6;      // [pixel at 720 px image width]
 const double maxContourTurn = 0.05;    // [rad]
@@ -48,6 +54,7 @@ void FullMethod::reset()
     ToolMethod::reset();
     filter_->reset();
     placed_ = sure_ = filter_->state();
+    shownJoints_.assign(coordinates_, 0.);
     searches_ = boosted_ = 0;
     searched_ = false;
 }
@@ -80,9 +87,37 @@ void FullMethod::setPose(const Pose& pose)
 void FullMethod::measure(Scene& scene, const PartDrawing* ahead)
 {
     boosted_ = std::max(0, boosted_ - 1);
-    bool seen = starts() ? start(scene) : follow(scene, ahead);
-    if (!seen && !starts()) seen = search(scene);
+    bool seen = false;
+    if (starts())
+    {
+        shownJoints_ = joints_;
+        seen = start(scene);
+    }
+    else if (!isStale(scene)) seen = follow(scene, ahead) || search(scene);
     conclude(scene, seen);
+}
+
+// Whether the image is the one before once more, although the tool has moved.
+bool FullMethod::isStale(const Scene& scene)
+{
+    const PartFinder& eye = *scene.eyes[0];
+    Rect2d box;
+    for (size_t k = 0; k < nominalPoints_.size(); k++)
+    {
+        const Point3d p = transform(filter_->correction(), nominalPoints_[k]);
+        if (p.z < nearestDepth) continue;
+        const Rect2d at(eye.camera().project(p), Size2d(1, 1));
+        box = box.empty() ? at : box | at;
+    }
+    const int margin = cvRound(staleMargin * pixelScale_);
+    const Rect region(cvFloor(box.x) - margin, cvFloor(box.y) - margin, cvCeil(box.width) + 2 * margin, cvCeil(box.height) + 2 * margin);
+    if (eye.change(region & Rect(Point(), eye.camera().imageSize())) > staleChange)
+    {
+        shownJoints_ = joints_;
+        return false;
+    }
+    foresee(shownJoints_, seen_);
+    return !seen_.base_T_link.empty() && !(viewChange(eye.camera(), *model_, filter_->view(), seen_).shift < staleShift * pixelScale_);
 }
 
 // Windows about where the tool is drawn. known: as wide as the filter's covariance asks for
@@ -175,6 +210,11 @@ void FullMethod::conclude(const Scene& scene, bool seen)
             searches_ = 0;
             searched_ = false;
             sure_ = filter_->state();
+            if (!isSettled_ && confirmed_ > startFrames)
+            {
+                isSettled_ = true;
+                settled_ = filter_->correction();
+            }
         }
     }
     else
@@ -201,6 +241,7 @@ void FullMethod::setHandEye(const Matx44d& nominal_T_base)
 {
     nominal_T_base_ = nominal_T_base;
     calibration_ = Matx44d::eye();
+    isSettled_ = false;
     moveStates([&](ArticulatedPoseEKF& filter) { filter.setHandEye(nominal_T_base); });
     if (starts()) filter_->reset();
     correction_ = filter_->correction();
@@ -209,6 +250,7 @@ void FullMethod::setHandEye(const Matx44d& nominal_T_base)
 void FullMethod::moveCamera(const Matx44d& now_T_before)
 {
     calibration_ = now_T_before * calibration_ * rigidInverse(now_T_before);
+    settled_ = now_T_before * settled_ * rigidInverse(now_T_before);
     moveStates([&](ArticulatedPoseEKF& filter) { filter.moveCamera(now_T_before); });
     nominal_T_base_ = filter_->state().nominal_T_base;
     correction_ = filter_->correction();

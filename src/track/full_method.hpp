@@ -45,6 +45,7 @@ private:
     Pose pose() const;
     void setPose(const Pose& pose);
 
+    bool isStale(const Scene& scene);
     bool start(Scene& scene);
     bool search(Scene& scene);
     bool beginAnew(Scene& scene, int first, int last);
@@ -72,6 +73,7 @@ private:
     EvidenceThresholds thresholds_;
     ArticulatedPoseEKF::State placed_;     // the filter before this frame,
     ArticulatedPoseEKF::State sure_;       // and when the tool was last tracked
+    std::vector<double> shownJoints_;      // readings of the last image that was a new one
     int searches_;                         // since the tool was last seen
     bool searched_;                        // the pose is that of a search, and not confirmed yet
     int boosted_;                          // frames for which the process noise stays raised

@@ -16,15 +16,18 @@ const double searchRotation = 4 * CV_PI / 180, searchTranslation = 0.008;   // h
 
 } // namespace
 
-// About the calibration, and every other time about what has become of it for another tool.
+// About the calibration, and every other time about what the camera's motion, as another tool saw it, makes of it.
 bool FullMethod::start(Scene& scene)
 {
-    filter_->reset(searches_++ % 2 ? scene.lent : calibration_);
+    filter_->reset(searches_++ % 2 ? scene.cameraMotion * calibration_ : calibration_);
     filter_->predict(joints_);
-    return beginAnew(scene, 0, hypotheses - 1);
+    if (beginAnew(scene, 0, hypotheses - 1)) return true;
+    filter_->reset(calibration_);   // until there is a pose, it is that of the tool's own kinematics
+    filter_->predict(joints_);
+    return false;
 }
 
-// One hypothesis a frame, the upright one every other time: about the last pose, the calibration, another tool's correction.
+// One hypothesis a frame, the upright one every other time: about the last pose, the calibration, and that after the motion of the camera that another tool saw.
 bool FullMethod::search(Scene& scene)
 {
     const int n = searches_++;
@@ -33,7 +36,7 @@ bool FullMethod::search(Scene& scene)
     if (n % 4 < 2) filter_->inflate(searchRotation, searchTranslation);
     else
     {
-        filter_->reset(n % 8 < 4 ? calibration_ : scene.lent);
+        filter_->reset(n % 8 < 4 ? calibration_ : scene.cameraMotion * calibration_);
         filter_->predict(joints_);
     }
     const bool found = beginAnew(scene, hypothesis, hypothesis);

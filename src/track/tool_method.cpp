@@ -13,6 +13,8 @@ namespace {
 // Plausible errors of a hand-eye calibration; a first pose beyond them is a false one. Twice what the paper's recording has.
 const double maxCorrectionAngle = 15 * CV_PI / 180;
 const double maxCorrectionShift = 0.03;     // [m], at the tool
+// What a push moves a tool by at least; estimates wander by half of it, from one posture to another.
+const double leastMotionAngle = 2 * CV_PI / 180, leastMotionShift = 0.004;   // [rad], [m]
 const double largestReprojectionError = 8;  // [pixel at 720 px image width]
 
 } // namespace
@@ -32,7 +34,8 @@ ToolMethod::ToolMethod(int index, const Ptr<ToolModel>& model, const Matx44d& no
 
 void ToolMethod::reset()
 {
-    correction_ = calibration_ = Matx44d::eye();
+    correction_ = calibration_ = settled_ = Matx44d::eye();
+    isSettled_ = false;
     state_ = STATE_INITIALIZING;
     confirmed_ = 0;
     lastSeen_ = -DBL_MAX;
@@ -57,6 +60,14 @@ void ToolMethod::foresee(const std::vector<double>& readings, ToolView& view)
     model_->forwardKinematics(foreseen_, view.base_T_link);
     view.camera_T_base = correction_ * nominal_T_base_;
     if (!isLocated()) view.base_T_link.clear();
+}
+
+Matx44d ToolMethod::cameraMotion() const
+{
+    if (!isSettled_) return Matx44d::eye();
+    const Matx44d motion = correction_ * rigidInverse(settled_);
+    const Point3d at = transform(settled_, nominalPoints_[0]);
+    return turnOf(motion) > leastMotionAngle || norm(transform(motion, at) - at) > leastMotionShift ? motion : Matx44d::eye();
 }
 
 double ToolMethod::maxReprojectionError() const

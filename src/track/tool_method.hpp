@@ -40,6 +40,9 @@ public:
     //! A copy of what one eye saw last.
     ToolSight sight(size_t eye) const;
 
+    //! How the camera has moved since the tool was first tracked, if by more than an estimate wanders; else unit.
+    Matx44d cameraMotion() const;
+
     //! The calibration is another; the pose that is known stays. @param nominal_T_base rigid
     virtual void setHandEye(const Matx44d& nominal_T_base) = 0;
     //! The camera has moved by this, and with it where the calibration has the base.
@@ -106,6 +109,8 @@ protected:
 
     Matx44d correction_;               // the last one; kept when nothing is seen
     Matx44d calibration_;              // the correction that a search begins from
+    Matx44d settled_;                  // the first one after some frames of tracking
+    bool isSettled_;
     int state_, confirmed_;            // consecutive measured frames since the (re)start
     double lastSeen_;                  // time of the last measurement [s]
     std::vector<Point3d> nominalPoints_;   // keypoints of the current frame, where the calibration has them

@@ -47,11 +47,11 @@ void ToolTrackerImpl::show(int tool)
     if (!tools_[tool]->isLocated()) scene_.views[tool].base_T_link.clear();
 }
 
-// Where the camera has moved since its calibration, the tools' corrections are about the same. Unit if no other tool is tracked.
-Matx44d ToolTrackerImpl::correctionOfAnother(int tool) const
+// Calibration errors are each arm's own, but a camera that has moved has moved for all: by what another tool saw of it.
+Matx44d ToolTrackerImpl::motionOfAnother(int tool) const
 {
     for (int i = 0; i < int(tools_.size()); i++)
-        if (i != tool && tools_[i]->state() == STATE_TRACKING) return tools_[i]->correction();
+        if (i != tool && tools_[i]->state() == STATE_TRACKING) return tools_[i]->cameraMotion();
     return Matx44d::eye();
 }
 
@@ -91,7 +91,7 @@ void ToolTrackerImpl::updateEyes(const Mat* images, size_t count, double time, c
         {
             ToolMethod& tool = *tools_[i];
             const int before = tool.state();
-            scene_.lent = correctionOfAnother(i);
+            scene_.cameraMotion = motionOfAnother(i);
             tool.measure(scene_, ahead && tool.usesDrawnAhead() ? &ahead->drawings[i] : 0);
             show(i);
             if (tool.state() != before)

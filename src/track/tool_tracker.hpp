@@ -22,6 +22,7 @@ public:
     void removeTool(int tool) CV_OVERRIDE;
     void setHandEye(int tool, const Matx44d& nominal_T_base) CV_OVERRIDE;
     void moveCamera(const Matx44d& now_T_before) CV_OVERRIDE;
+    void setMask(InputArray mask, int eye) CV_OVERRIDE;
     void reset(int tool) CV_OVERRIDE;
     void update(InputArray image, double time, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates) CV_OVERRIDE;
     void updateStereo(InputArray left, InputArray right, double time, const std::vector<std::vector<double> >& joints,
@@ -37,6 +38,7 @@ private:
     {
         CameraModel model;
         Matx44d eye_T_camera;
+        Mat mask;
     };
 
     void checkTool(int tool) const;
@@ -48,7 +50,7 @@ private:
     void toolsChanged();
     void updateEyes(const Mat* images, size_t count, double time, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates);
     void show(int tool);
-    Matx44d correctionOfAnother(int tool) const;
+    Matx44d motionOfAnother(int tool) const;
     double shiftSince(const std::vector<ToolView>* drawn) const;
     const TemplateSet* drawnAhead();
     void report(int tool, ToolEstimate& estimate) const;

@@ -36,7 +36,7 @@ ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params
     checkParams(params);
     const bool full = params.method == METHOD_FULL;
     if (full) stages_.templates.wholeTool = true;
-    const Camera left = {camera, Matx44d::eye()};
+    const Camera left = {camera, Matx44d::eye(), Mat()};
     cameras_.push_back(left);
     toolsChanged();
     const double scale = scene_.eyes[0]->pixelScale();
@@ -77,7 +77,11 @@ Ptr<ToolMethod> ToolTrackerImpl::makeMethod(int index, const Ptr<ToolModel>& mod
 void ToolTrackerImpl::toolsChanged()
 {
     scene_.eyes.clear();
-    for (size_t e = 0; e < cameras_.size(); e++) scene_.eyes.push_back(makeFinder(cameras_[e], renderer_));
+    for (size_t e = 0; e < cameras_.size(); e++)
+    {
+        scene_.eyes.push_back(makeFinder(cameras_[e], renderer_));
+        scene_.eyes[e]->setMask(cameras_[e].mask);
+    }
     scene_.views.resize(tools_.size());
     for (size_t i = 0; i < tools_.size(); i++) tools_[i]->setIndex(int(i));
     field_ = scene_.camera().fieldOfView(Rect(Point(), scene_.camera().imageSize()));
@@ -89,7 +93,7 @@ void ToolTrackerImpl::setRightCamera(const CameraModel& right, const Matx44d& ri
     if (params_.method != METHOD_FULL) CV_Error(Error::StsBadArg, "Params::method: only METHOD_FULL uses a right camera");
     CV_Assert(!right.imageSize().empty());
     if (!isRigid(right_T_left)) CV_Error(Error::StsBadArg, "right_T_left must be a rigid transform");
-    const Camera camera = {right, nearestRigid(right_T_left)};
+    const Camera camera = {right, nearestRigid(right_T_left), Mat()};
     cameras_.resize(1);
     cameras_.push_back(camera);
     toolsChanged();
@@ -148,6 +152,13 @@ void ToolTrackerImpl::moveCamera(const Matx44d& now_T_before)
     if (!isRigid(now_T_before)) CV_Error(Error::StsBadArg, "now_T_before must be a rigid transform");
     for (size_t i = 0; i < tools_.size(); i++) tools_[i]->moveCamera(nearestRigid(now_T_before));
     if (ahead_) ahead_->clear();
+}
+
+void ToolTrackerImpl::setMask(InputArray mask, int eye)
+{
+    CV_Check(eye, eye >= 0 && eye < int(cameras_.size()), "no such eye");
+    scene_.eyes[eye]->setMask(mask.getMat());
+    cameras_[eye].mask = mask.getMat().clone();
 }
 
 void ToolTrackerImpl::reset(int tool)

@@ -83,8 +83,19 @@ public:
     virtual void draw(const std::vector<ToolView>& views, int tool, PartDrawing& drawing, double scale = 1, double rotation = 0,
                       bool alone = false) = 0;
 
-    /** @brief The next image. @param image CV_8UC1 or CV_8UC3 of imageSize(); not copied, must stay until release() */
+    /** @brief The next image. Of an interlaced one, known by its combs, the first field is looked at. Black surrounds are looked for now
+    and then.
+    @param image CV_8UC1 or CV_8UC3 of imageSize(); not copied, must stay until release() */
     virtual void setImage(const Mat& image) = 0;
+    /** @brief Where there is something to see. @param mask CV_8UC1 of imageSize(), 0 where there is nothing; empty: anywhere. Black
+    surrounds need no mask; overlays of a console do */
+    virtual void setMask(const Mat& mask) = 0;
+    /** @brief Whether the image has two fields of different times. */
+    virtual bool isInterlaced() const = 0;
+    /** @brief Whether there is something to see at a place. @param p of the reduced image [pixel] */
+    virtual bool sees(const Point2d& p) const = 0;
+    /** @brief Mean difference from the image before [grey levels]; DBL_MAX without one. @param region of the reduced image */
+    virtual double change(const Rect& region) const = 0;
     /** @brief Lets go of the image. */
     virtual void release() = 0;
     /** @brief The reduced image, made where it is asked for. @param region where gradients are needed; empty: where they were asked for before */

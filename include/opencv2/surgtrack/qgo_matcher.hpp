@@ -54,8 +54,9 @@ public:
 
     /** @brief Prepares the image for matching.
     @param image CV_8UC1 or CV_8UC3, any size; is not kept
-    @param roi only windows with their templates inside it can be matched; empty = the whole image */
-    CV_WRAP virtual void setImage(InputArray image, const Rect& roi = Rect()) = 0;
+    @param roi only windows with their templates inside it can be matched; empty = the whole image
+    @param mask CV_8UC1 of the image's size: there are no orientations where it is 0; none: everywhere */
+    CV_WRAP virtual void setImage(InputArray image, const Rect& roi = Rect(), InputArray mask = noArray()) = 0;
 
     /** @brief Finds templates in the prepared image. Features outside the prepared region count as not found.
     @param templates what to look for

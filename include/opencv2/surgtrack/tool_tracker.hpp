@@ -185,6 +185,11 @@ public:
     /** @brief A tool is gone. @param tool index; those of the tools after it fall by one */
     CV_WRAP virtual void removeTool(int tool) = 0;
 
+    /** @brief Where a camera shows anything. Black surrounds are found without; overlays of a console are not.
+    @param mask CV_8UC1 of the images' size, 0 where there is nothing of the scene; empty: anywhere
+    @param eye 0 = left, 1 = right */
+    CV_WRAP virtual void setMask(InputArray mask, int eye = 0) = 0;
+
     /** @brief There is another hand-eye calibration. The pose of a tool that is tracked stays as it is; one without a pose begins anew.
     @param tool index
     @param nominal_T_base as for addTool() */

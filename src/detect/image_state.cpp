@@ -1,0 +1,195 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "detect/image_state.hpp"
+
+namespace cv { namespace surgtrack {
+
+namespace {
+
+const int spacing = 8;             // of samples [pixel]
+
+/* Of an image without fields rows that are nearer differ less; of noise alone both differences are the same, to a twentieth in a
+   block's 1300 samples. Motion across upright edges by a pixel and more makes the nearer ones larger. */
+const int combBlock = 96;          // [pixel]
+const double combRatio = 1.25, combDifference = 4;   // of the differences; least mean of the nearer ones [grey levels]
+const int combBlocks = 2;          // one alone may be a ribbed jaw
+
+const int surroundBlock = 8, surroundStep = 2;   // [pixel]
+const int darkest = 6;             // video black with what a codec leaves of the picture beside it [grey levels]
+const int surroundMargin = 2;      // blocks about a surround that hold its border, and the blur of gradients
+const int looksApart = 32;         // images from one look for a surround to the next
+const double leastSurround = 0.01; // of the image; less is a shadow in a corner
+
+} // namespace
+
+bool isInterlaced(const Mat& image)
+{
+    if (image.rows < 8) return false;
+    const int channels = image.channels(), channel = channels / 2;   // green tells most of the light
+    int combed = 0;
+    for (int top = 0; top + combBlock / 2 <= image.rows; top += combBlock)
+        for (int left = 0; left + combBlock / 2 <= image.cols; left += combBlock)
+        {
+            int nearer = 0, farther = 0, count = 0;
+            const int bottom = std::min(top + combBlock, image.rows - 2), right = std::min(left + combBlock, image.cols);
+            for (int y = top; y < bottom; y += 6)
+            {
+                const uchar *a = image.ptr(y) + channel, *b = image.ptr(y + 1) + channel, *c = image.ptr(y + 2) + channel;
+                for (int x = left; x < right; x += 4, count++)
+                {
+                    nearer += std::abs(a[x * channels] - b[x * channels]);
+                    farther += std::abs(a[x * channels] - c[x * channels]);
+                }
+            }
+            combed += nearer > combRatio * farther && nearer > combDifference * count;
+        }
+    return combed >= combBlocks;
+}
+
+void takeField(const Mat& image, Mat& field)
+{
+    field.create(image.size(), image.type());
+    const int n = image.cols * image.channels();
+    for (int y = 0; y < image.rows; y++)
+    {
+        uchar* to = field.ptr(y);
+        const uchar *above = image.ptr(y & ~1), *below = image.ptr(std::min((y & ~1) + 2, (image.rows - 1) & ~1));
+        if (y % 2 == 0) std::copy(above, above + n, to);
+        else
+            for (int i = 0; i < n; i++) to[i] = uchar((above[i] + below[i] + 1) >> 1);
+    }
+}
+
+void VisibleRegion::setMask(const Mat& mask)
+{
+    mask_ = mask.clone();
+    looks_ = 0;
+}
+
+// All samples of all channels of a block.
+void VisibleRegion::findSurround(const Mat& image, std::vector<uchar>& dark) const
+{
+    const int channels = image.channels();
+    dark.assign(blocks_.area(), 1);
+    for (int y = 0; y < image.rows; y += surroundStep)
+    {
+        const uchar* row = image.ptr(y);
+        uchar* blocks = &dark[size_t(y / surroundBlock) * blocks_.width];
+        for (int x = 0; x < image.cols; x += surroundStep)
+            for (int c = 0; c < channels; c++)
+                if (row[x * channels + c] > darkest) blocks[x / surroundBlock] = 0;
+    }
+    keepConnected(dark);
+}
+
+// Surrounds reach the border of the image; shadows do not, as a rule.
+void VisibleRegion::keepConnected(std::vector<uchar>& dark) const
+{
+    std::vector<Point> open;
+    std::vector<uchar> kept(dark.size(), 0);
+    for (int y = 0; y < blocks_.height; y++)
+        for (int x = 0; x < blocks_.width; x++)
+            if (y == 0 || x == 0 || y == blocks_.height - 1 || x == blocks_.width - 1) open.push_back(Point(x, y));
+    int count = 0;
+    while (!open.empty())
+    {
+        const Point p = open.back();
+        open.pop_back();
+        if (!Rect(Point(), blocks_).contains(p)) continue;
+        const size_t i = size_t(p.y) * blocks_.width + p.x;
+        if (!dark[i] || kept[i]) continue;
+        kept[i] = 1;
+        count++;
+        open.push_back(p + Point(1, 0));
+        open.push_back(p - Point(1, 0));
+        open.push_back(p + Point(0, 1));
+        open.push_back(p - Point(0, 1));
+    }
+    // An image that is all black is no surround: the light is off.
+    if (count < leastSurround * blocks_.area() || count == blocks_.area()) std::fill(kept.begin(), kept.end(), uchar(0));
+    dark.swap(kept);
+}
+
+// What was dark at both of the last looks, and what the mask hides, with a margin.
+void VisibleRegion::combine()
+{
+    std::vector<uchar> hidden = dark_;
+    for (int y = 0; y < mask_.rows; y++)
+        for (int x = 0; x < mask_.cols; x++)
+            if (!mask_.at<uchar>(y, x)) hidden[size_t(y / surroundBlock) * blocks_.width + x / surroundBlock] = 1;
+    hidden_.assign(hidden.size(), 0);
+    partial_ = false;
+    for (int y = 0; y < blocks_.height; y++)
+        for (int x = 0; x < blocks_.width; x++)
+        {
+            if (!hidden[size_t(y) * blocks_.width + x]) continue;
+            partial_ = true;
+            for (int v = std::max(0, y - surroundMargin); v <= std::min(blocks_.height - 1, y + surroundMargin); v++)
+                for (int u = std::max(0, x - surroundMargin); u <= std::min(blocks_.width - 1, x + surroundMargin); u++)
+                    hidden_[size_t(v) * blocks_.width + u] = 1;
+        }
+}
+
+void VisibleRegion::look(const Mat& image)
+{
+    if (image.size() != size_)
+    {
+        size_ = image.size();
+        blocks_ = Size((size_.width + surroundBlock - 1) / surroundBlock, (size_.height + surroundBlock - 1) / surroundBlock);
+        looks_ = 0;
+    }
+    if (looks_++ % looksApart) return;
+    std::vector<uchar> dark;
+    findSurround(image, dark);
+    if (looks_ > 1)
+        for (size_t i = 0; i < dark.size(); i++) dark_[i] = dark_[i] && dark[i];
+    else dark_ = dark;
+    combine();
+    dark_ = dark;
+}
+
+bool VisibleRegion::sees(const Point2d& p) const
+{
+    if (!partial_) return true;
+    const int x = cvFloor(p.x) / surroundBlock, y = cvFloor(p.y) / surroundBlock;
+    return p.x >= 0 && p.y >= 0 && x < blocks_.width && y < blocks_.height && !hidden_[size_t(y) * blocks_.width + x];
+}
+
+void VisibleRegion::fill(const Rect& window, Mat& mask) const
+{
+    mask.create(window.size(), CV_8UC1);
+    for (int y = 0; y < window.height; y++)
+    {
+        const uchar* hidden = &hidden_[size_t((window.y + y) / surroundBlock) * blocks_.width];
+        uchar* row = mask.ptr(y);
+        for (int x = 0; x < window.width; x++) row[x] = hidden[(window.x + x) / surroundBlock] ? 0 : 255;
+    }
+}
+
+void ImageSamples::look(const Mat& image)
+{
+    const int channels = image.channels(), channel = channels / 2;
+    const Size grid((image.cols + spacing - 1) / spacing, (image.rows + spacing - 1) / spacing);
+    std::swap(now_, before_);
+    if (grid != grid_) before_.clear();
+    grid_ = grid;
+    now_.resize(grid.area());
+    for (int y = 0; y < grid.height; y++)
+        for (int x = 0; x < grid.width; x++) now_[size_t(y) * grid.width + x] = image.ptr(y * spacing)[x * spacing * channels + channel];
+}
+
+double ImageSamples::change(const Rect& region) const
+{
+    const Rect cells = Rect(region.x / spacing, region.y / spacing, region.width / spacing + 1, region.height / spacing + 1) & Rect(Point(), grid_);
+    if (before_.empty() || cells.empty()) return DBL_MAX;
+    int sum = 0;
+    for (int y = cells.y; y < cells.y + cells.height; y++)
+        for (int x = cells.x; x < cells.x + cells.width; x++)
+            sum += std::abs(now_[size_t(y) * grid_.width + x] - before_[size_t(y) * grid_.width + x]);
+    return double(sum) / cells.area();
+}
+
+}} // namespace cv::surgtrack

@@ -1,0 +1,62 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_SRC_DETECT_IMAGE_STATE_HPP
+#define OPENCV_SURGTRACK_SRC_DETECT_IMAGE_STATE_HPP
+
+#include <vector>
+#include "opencv2/core.hpp"
+
+namespace cv { namespace surgtrack {
+
+//! Two fields in one image, of different times: rows next to each other differ more than those that are two apart.
+bool isInterlaced(const Mat& image);
+
+//! The first field of an image, its missing rows as the mean of their neighbours. @param field result, not the image
+void takeField(const Mat& image, Mat& field);
+
+/** Where a camera never shows anything: black surrounds and pillars, found in the images, and what the user says. In blocks, since
+gradients near the border of a surround are its own. */
+class VisibleRegion
+{
+public:
+    //! What the user knows. @param mask CV_8UC1 of the images' size: 0 where there is nothing to see; empty: all may be seen
+    void setMask(const Mat& mask);
+    //! The next image.
+    void look(const Mat& image);
+
+    //! Whether there is anything that is not seen.
+    bool isPartial() const { return partial_; }
+    bool sees(const Point2d& p) const;
+    //! 255 where something may be seen. @param window of the image
+    void fill(const Rect& window, Mat& mask) const;
+
+private:
+    void findSurround(const Mat& image, std::vector<uchar>& dark) const;
+    void keepConnected(std::vector<uchar>& dark) const;
+    void combine();
+
+    Size size_, blocks_;
+    Mat mask_;
+    std::vector<uchar> dark_, hidden_;   // a block; dark_: at the last look
+    int looks_ = 0;
+    bool partial_ = false;
+};
+
+//! Samples of an image, to tell whether the next one is another.
+class ImageSamples
+{
+public:
+    void look(const Mat& image);
+    //! Mean difference from the image before in a region [grey levels]; DBL_MAX without one.
+    double change(const Rect& region) const;
+
+private:
+    Size grid_;
+    std::vector<uchar> now_, before_;
+};
+
+}} // namespace cv::surgtrack
+
+#endif
