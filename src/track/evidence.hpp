@@ -17,7 +17,7 @@ struct EvidenceThresholds
 {
     EvidenceThresholds()
         : followed(0.9), start(1.12), sure(1.25), leastSimilarity(0.5), leastSupport(0.3), startSupport(0.45), outlineAlone(0.55), minParts(4),
-          sureNis(0.6), doubt(0.25), pushedGain(0.05)
+          followedNis(0.75), sureNis(0.6), doubt(0.25), pushedGain(0.05)
     {
     }
 
@@ -29,6 +29,7 @@ struct EvidenceThresholds
     double startSupport;        // of an outline that was not followed until now: false finds by parts alone end below
     double outlineAlone;        // support that continues a track without parts: 20 px off it is 0.31 at most
     int minParts;               // that must be found and pass the filter's gate: three leave a pose and its mirror image
+    double followedNis;         // of points, per degree of freedom, of a pose that needs no more than `followed`: below 0.6 as a rule
     double sureNis;             // of points, per degree of freedom, of a pose that needs no second frame
     double doubt;               // what a unit of NIS takes off the sum where first poses are compared
     double pushedGain;          // sum that a push of the camera must add to be believed: twice what noise adds
@@ -37,10 +38,11 @@ struct EvidenceThresholds
 //! What a pose has to show for itself, that the filter does not know.
 struct Evidence
 {
-    Evidence() : similarity(0), support(0), nis(0), parts(0), points(false) {}
+    Evidence() : similarity(0), support(0), nis(0), parts(0), points(false) { eyeSupport[0] = eyeSupport[1] = 0; }
 
     double similarity;   // mean, of the parts that went into the pose
     double support;      // share of the outline with its strongest edge where the pose has it
+    double eyeSupport[2];   // the same, of each eye that was looked with
     double nis;          // of the points, per degree of freedom
     int parts;           // that went into the pose
     bool points;         // whether any did, not only the outline
@@ -60,7 +62,7 @@ struct Evidence
     bool continues(const EvidenceThresholds& t, int state) const
     {
         const bool followed = state == STATE_TRACKING;
-        if (points) return followed ? sum(t) >= t.followed : isStart(t);
+        if (points) return followed && nis <= t.followedNis ? sum(t) >= t.followed : isStart(t);
         return (followed || state == STATE_COASTING) && support >= t.outlineAlone;
     }
     //! For comparing first poses: the larger, the better.

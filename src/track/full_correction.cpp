@@ -107,8 +107,8 @@ double FullMethod::refine(Scene& scene, int firstPass)
         search.halfWindow = std::max(leastWindow, searchWindows[pass] * pixelScale_);
         const double tolerance = tolerances[pass] * pixelScale_;
         filter_->begin();
-        addPoints(scene, scene.open, tolerance);
-        for (size_t e = 0; e < scene.open; e++)
+        addPoints(scene, eyes(scene), tolerance);
+        for (size_t e = 0; e < eyes(scene); e++)
         {
             PartFinder& eye = *scene.eyes[e];
             std::vector<ContourPoint>& outline = sights_[e].outline;
@@ -133,15 +133,17 @@ double FullMethod::support(Scene& scene)
     search.preference = 0;
     search.ambiguity = 1;
     int supported = 0, all = 0;
-    for (size_t e = 0; e < scene.open; e++)
+    for (size_t e = 0; e < eyes(scene); e++)
     {
         PartFinder& eye = *scene.eyes[e];
         std::vector<ContourPoint>& outline = sights_[e].outline;
         placeContour(eye.camera(), seenBy(eye), outline);
         matchContour(eye.pixels(Rect()), outline, search);
+        int here = 0;
+        for (size_t i = 0; i < outline.size(); i++) here += outline[i].found && std::abs(outline[i].offset) < supportedWithin * pixelScale_;
+        evidence_.eyeSupport[e] = outline.empty() ? 0 : double(here) / double(outline.size());
+        supported += here;
         all += int(outline.size());
-        for (size_t i = 0; i < outline.size(); i++)
-            supported += outline[i].found && std::abs(outline[i].offset) < supportedWithin * pixelScale_;
     }
     return all ? double(supported) / all : 0;
 }

@@ -28,6 +28,10 @@ const double staleChange = 0.5;        // mean over samples [grey levels]
 const double staleShift = 1;           // of a keypoint [pixel at 720 px image width]
 const double staleMargin = 30;         // about the keypoints [pixel at 720 px image width]
 
+// The right eye is left out where it sees so much less of the outline than the left one, in so many frames in a row.
+const double eyeDisagreement = 0.25;
+const int eyeFrames = 5, eyeTrial = 50;   // eyeTrial: after so many frames it is tried again
+
 // The outline is drawn anew where a keypoint has moved farther than this since: beyond, other points of the tool are its outline.
 const double maxContourShift = 6;      // [pixel at 720 px image width]
 const double maxContourTurn = 0.05;    // [rad]
@@ -55,7 +59,8 @@ void FullMethod::reset()
     filter_->reset();
     placed_ = sure_ = filter_->state();
     shownJoints_.assign(coordinates_, 0.);
-    searches_ = boosted_ = 0;
+    searches_ = boosted_ = disagreed_ = 0;
+    eyes_ = 2;
     searched_ = false;
 }
 
@@ -73,6 +78,7 @@ FullMethod::Pose FullMethod::pose() const
     pose.evidence = evidence_;
     pose.inliers = inliers_;
     pose.visibleParts = visibleParts_;
+    pose.eyes = eyes_;
     return pose;
 }
 
@@ -82,6 +88,7 @@ void FullMethod::setPose(const Pose& pose)
     evidence_ = pose.evidence;
     inliers_ = pose.inliers;
     visibleParts_ = pose.visibleParts;
+    eyes_ = pose.eyes;
 }
 
 void FullMethod::measure(Scene& scene, const PartDrawing* ahead)
@@ -135,7 +142,7 @@ void FullMethod::expectParts(const PartFinder& eye, bool known)
 
 bool FullMethod::follow(Scene& scene, const PartDrawing* ahead)
 {
-    for (size_t e = 0; e < scene.open; e++)
+    for (size_t e = 0; e < eyes(scene); e++)
     {
         expectParts(*scene.eyes[e], true);
         if (e == 0 && ahead) lookAhead(scene, *ahead, windows_);
@@ -155,10 +162,28 @@ bool FullMethod::follow(Scene& scene, const PartDrawing* ahead)
             if (evidence_.nis > pushedNis) correctByOutline(scene);   // the set of points is a false one
         }
     }
+    judgeEyes(scene);
     if (evidence_.continues(thresholds_, state_) && plausible(scene.camera(), filter_->correction(), inliers_)) return true;
     filter_->undo();
     inliers_.clear();
     return false;
+}
+
+// Each eye for itself.
+void FullMethod::judgeEyes(Scene& scene)
+{
+    if (scene.open < 2) return;
+    if (eyes_ == 2)
+    {
+        const bool agree = evidence_.eyeSupport[1] >= evidence_.eyeSupport[0] - eyeDisagreement;
+        disagreed_ = agree ? 0 : disagreed_ + 1;
+        if (disagreed_ >= eyeFrames) eyes_ = 1;
+    }
+    else if (++disagreed_ >= eyeTrial)
+    {
+        eyes_ = 2;
+        disagreed_ = eyeFrames - 1;   // one more frame in which they disagree ends it
+    }
 }
 
 /* Points, then contours, from the filter's prediction.
@@ -166,15 +191,15 @@ bool FullMethod::follow(Scene& scene, const PartDrawing* ahead)
 bool FullMethod::correct(Scene& scene)
 {
     const std::vector<PartMatch>& matches = sights_[0].found.inliers;
-    const int passed = correctPoints(scene, scene.open);
+    const int passed = correctPoints(scene, eyes(scene));
     const bool pushed = int(matches.size()) > thresholds_.minParts && meanSimilarity(matches) > pushedSimilarity
                         && (2 * passed < int(matches.size()) || evidence_.nis > pushedNis);
     if (passed < thresholds_.minParts) dropPoints(scene);   // the outline alone may do
     evidence_.points = passed >= thresholds_.minParts;
-    for (size_t e = 0; e < scene.open; e++) sampleOutline(scene, e, *sights_[e].drawn);
+    for (size_t e = 0; e < eyes(scene); e++) sampleOutline(scene, e, *sights_[e].drawn);
     const ViewChange moved = viewChange(scene.camera(), *model_, filter_->view(), sights_[0].drawn->views[index_]);
     if (!(moved.shift <= maxContourShift * pixelScale_ && moved.turn <= maxContourTurn))
-        for (size_t e = 0; e < scene.open; e++) redraw(scene, e);
+        for (size_t e = 0; e < eyes(scene); e++) redraw(scene, e);
     return refine(scene, trackPass) > pushedLikelihood || pushed;
 }
 
@@ -182,7 +207,7 @@ void FullMethod::dropPoints(Scene& scene)
 {
     filter_->undo();
     inliers_.clear();
-    for (size_t e = 0; e < scene.open; e++) sights_[e].found.inliers.clear();
+    for (size_t e = 0; e < eyes(scene); e++) sights_[e].found.inliers.clear();
     evidence_.nis = 0;
     evidence_.points = false;
 }
@@ -190,7 +215,7 @@ void FullMethod::dropPoints(Scene& scene)
 void FullMethod::correctByOutline(Scene& scene)
 {
     dropPoints(scene);
-    for (size_t e = 0; e < scene.open; e++) sampleOutline(scene, e, *sights_[e].cut);   // drawn where the filter is once more
+    for (size_t e = 0; e < eyes(scene); e++) sampleOutline(scene, e, *sights_[e].cut);   // drawn where the filter is once more
     refine(scene, trackPass);
 }
 

@@ -38,6 +38,7 @@ private:
         Evidence evidence;
         std::vector<PartMatch> inliers;
         int visibleParts;
+        size_t eyes;
     };
 
     void correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const CV_OVERRIDE { filter_->correctJoints(readings, joints); }
@@ -64,6 +65,8 @@ private:
     double refine(Scene& scene, int firstPass);
     double support(Scene& scene);
     const ToolView& seenBy(const PartFinder& eye);
+    size_t eyes(const Scene& scene) const { return std::min(scene.open, eyes_); }
+    void judgeEyes(Scene& scene);
     void conclude(const Scene& scene, bool seen);
     void moveStates(const std::function<void(ArticulatedPoseEKF&)>& move);
 
@@ -76,6 +79,8 @@ private:
     std::vector<double> shownJoints_;      // readings of the last image that was a new one
     int searches_;                         // since the tool was last seen
     bool searched_;                        // the pose is that of a search, and not confirmed yet
+    size_t eyes_;                          // that are believed to stand where they are said to
+    int disagreed_;                        // consecutive frames in which the right eye did not see what the left one saw
     int boosted_;                          // frames for which the process noise stays raised
 
     // Memory of one function each.

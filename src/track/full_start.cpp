@@ -27,16 +27,17 @@ bool FullMethod::start(Scene& scene)
     return false;
 }
 
-// One hypothesis a frame, the upright one every other time: about the last pose, the calibration, and that after the motion of the camera that another tool saw.
+// One hypothesis a frame, in turn about the last pose and about the calibration, which is moved by the motion of the camera that another
+// tool saw every other time; the upright one half of the time.
 bool FullMethod::search(Scene& scene)
 {
     const int n = searches_++;
-    const int hypothesis = n % 2 == 0 ? 0 : 1 + (n / 2) % 8;
+    const int hypothesis = n % 4 < 2 ? 0 : 1 + (n / 4) % 8;
     const ArticulatedPoseEKF::State before = filter_->state();
-    if (n % 4 < 2) filter_->inflate(searchRotation, searchTranslation);
+    if (n % 2 == 0) filter_->inflate(searchRotation, searchTranslation);
     else
     {
-        filter_->reset(n % 8 < 4 ? calibration_ : scene.cameraMotion * calibration_);
+        filter_->reset(n % 4 == 1 ? calibration_ : scene.cameraMotion * calibration_);
         filter_->predict(joints_);
     }
     const bool found = beginAnew(scene, hypothesis, hypothesis);
@@ -59,14 +60,20 @@ bool FullMethod::beginAnew(Scene& scene, int first, int last)
     best.filter = vague;
     best.visibleParts = visible;
     best.evidence.points = evidence_.points;
+    best.eyes = 2;
     for (int k = 0; k < fitted && candidates[k].score > 0; k++)
     {
-        filter_->setState(vague);
-        fit(scene, candidates[k]);
-        const double merit = evidence_.merit(thresholds_);
-        if (merit <= most || !evidence_.isFirstPose(thresholds_) || !plausible(scene.camera(), filter_->correction(), inliers_)) continue;
-        most = merit;
-        best = pose();
+        // With all eyes and, as they may not stand to each other as they are said to, with the left one alone.
+        for (size_t count = scene.open; count >= 1; count--)
+        {
+            eyes_ = count;
+            filter_->setState(vague);
+            fit(scene, candidates[k]);
+            const double merit = evidence_.merit(thresholds_) - (count < scene.open ? thresholds_.pushedGain : 0);
+            if (merit <= most || !evidence_.isFirstPose(thresholds_) || !plausible(scene.camera(), filter_->correction(), inliers_)) continue;
+            most = merit;
+            best = pose();
+        }
     }
     setPose(best);
     const bool found = most > -DBL_MAX;
@@ -85,7 +92,7 @@ void FullMethod::fit(Scene& scene, const StartCandidate& candidate)
     for (int round = 0; round < fitRounds; round++)
     {
         const ToolView view = filter_->view();
-        for (size_t e = 0; e < scene.open; e++)
+        for (size_t e = 0; e < eyes(scene); e++)
         {
             if (round == fitRounds - 1)
             {
@@ -97,7 +104,7 @@ void FullMethod::fit(Scene& scene, const StartCandidate& candidate)
             sampleOutline(scene, e, sights_[e].drawing);
         }
         visibleParts_ = int(sights_[0].cut->templates.size());
-        if (round == 0) correctPoints(scene, scene.open);
+        if (round == 0) correctPoints(scene, eyes(scene));
         refine(scene, round < 2 ? startPass : trackPass);
         const double merit = evidence_.merit(thresholds_);
         if (merit < most) continue;
