@@ -28,6 +28,8 @@ const double staleChange = 0.5;        // mean over samples [grey levels]
 const double staleShift = 1;           // of a keypoint [pixel at 720 px image width]
 const double staleMargin = 30;         // about the keypoints [pixel at 720 px image width]
 
+const double supportDrop = 0.1;        // twice what it changes from frame to frame
+
 // The right eye is left out where it sees so much less of the outline than the left one, in so many frames in a row.
 const double eyeDisagreement = 0.25;
 const int eyeFrames = 5, eyeTrial = 50;   // eyeTrial: after so many frames it is tried again
@@ -59,6 +61,7 @@ void FullMethod::reset()
     filter_->reset();
     placed_ = sure_ = filter_->state();
     shownJoints_.assign(coordinates_, 0.);
+    trackedSupport_ = 0;
     searches_ = boosted_ = disagreed_ = 0;
     eyes_ = 2;
     searched_ = false;
@@ -162,6 +165,7 @@ bool FullMethod::follow(Scene& scene, const PartDrawing* ahead)
             if (evidence_.nis > pushedNis) correctByOutline(scene);   // the set of points is a false one
         }
     }
+    if (evidence_.support < trackedSupport_ - supportDrop) correctNearby(scene);
     judgeEyes(scene);
     if (evidence_.continues(thresholds_, state_) && plausible(scene.camera(), filter_->correction(), inliers_)) return true;
     filter_->undo();
@@ -219,6 +223,18 @@ void FullMethod::correctByOutline(Scene& scene)
     refine(scene, trackPass);
 }
 
+/* Much less of the outline is found than in the frame before: edges of something else may have pulled the pose away. Once more, with
+   edges that are near to where the points have it. */
+void FullMethod::correctNearby(Scene& scene)
+{
+    const Pose far = pose();
+    filter_->undo();
+    evidence_.points = correctPoints(scene, eyes(scene)) > 0;
+    if (!evidence_.points) filter_->undo();
+    refine(scene, nearPass);
+    if (evidence_.sum(thresholds_) < far.evidence.sum(thresholds_) + thresholds_.pushedGain) setPose(far);
+}
+
 // The state after a frame.
 void FullMethod::conclude(const Scene& scene, bool seen)
 {
@@ -256,6 +272,7 @@ void FullMethod::conclude(const Scene& scene, bool seen)
         if (state_ == STATE_TRACKING) state_ = STATE_COASTING;
         if (state_ == STATE_COASTING && scene.time - lastSeen_ > params_.coastingTime) state_ = STATE_LOST;
     }
+    trackedSupport_ = state_ == STATE_TRACKING ? evidence_.support : 0;
     correction_ = filter_->correction();
     evidence_.similarity = meanSimilarity(inliers_);
     evidence_.parts = int(inliers_.size());

@@ -29,7 +29,7 @@ public:
 
 private:
     // Windows in which edges are looked for: a first pose begins with the widest.
-    static const int startPass = 0, trackPass = 2;
+    static const int startPass = 0, trackPass = 2, nearPass = 3;
 
     //! A pose, and what it has to show for itself.
     struct Pose
@@ -57,6 +57,7 @@ private:
     bool correct(Scene& scene);
     int correctPoints(Scene& scene, size_t eyes);
     void correctByOutline(Scene& scene);
+    void correctNearby(Scene& scene);
     void dropPoints(Scene& scene);
     int addPoints(Scene& scene, size_t eyes, double tolerance);
 
@@ -77,6 +78,7 @@ private:
     ArticulatedPoseEKF::State placed_;     // the filter before this frame,
     ArticulatedPoseEKF::State sure_;       // and when the tool was last tracked
     std::vector<double> shownJoints_;      // readings of the last image that was a new one
+    double trackedSupport_;                // of the frame before, if it was tracked
     int searches_;                         // since the tool was last seen
     bool searched_;                        // the pose is that of a search, and not confirmed yet
     size_t eyes_;                          // that are believed to stand where they are said to
