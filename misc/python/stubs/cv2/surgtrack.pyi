@@ -594,11 +594,12 @@ class QGOMatcher:
 
     @staticmethod
     def create(params: QGOMatcher.Params = ...) -> QGOMatcher: ...
-    def setImage(self, image: NDArray[Any], roi: Tuple[int, int, int, int] = ...) -> None:
+    def setImage(self, image: NDArray[Any], roi: Tuple[int, int, int, int] = ..., mask: NDArray[Any] = ...) -> None:
         """Prepares the image for matching.
 
         image: CV_8UC1 or CV_8UC3, any size; is not kept
         roi: only windows with their templates inside it can be matched; empty = the whole image
+        mask: CV_8UC1 of the image's size: there are no orientations where it is 0; none: everywhere
         """
         ...
     def match(self, templates: _Sequence[PartTemplate], windows: Union[_Sequence[Tuple[int, int, int, int]], NDArray[Any]]) -> Tuple[PartMatch, ...]:
@@ -1137,7 +1138,7 @@ class ToolTracker:
         minInitialInliers: int
         """matches needed for a first pose (paper's release: more than 6); METHOD_FULL: to count as tracking at once, else five"""
         minInitialSimilarity: float
-        """their least mean similarity; bare tissue gives up to 0.6, a tool 0.75 and more. Not METHOD_FULL, which has the outline too"""
+        """their least mean similarity; bare tissue, real or rendered, gives less than 0.6, a tool 0.7 and more. Not METHOD_FULL, which has the outline too"""
         confirmFrames: int
         """frames that must confirm a first pose before it counts as tracking; METHOD_FULL needs none where the evidence is strong"""
         coastingTime: float
@@ -1238,6 +1239,13 @@ class ToolTracker:
         """A tool is gone.
 
         tool: index; those of the tools after it fall by one
+        """
+        ...
+    def setMask(self, mask: NDArray[Any], eye: int = ...) -> None:
+        """Where a camera shows anything. Black surrounds are found without; overlays of a console are not.
+
+        mask: CV_8UC1 of the images' size, 0 where there is nothing of the scene; empty: anywhere
+        eye: 0 = left, 1 = right
         """
         ...
     def setHandEye(self, tool: int, nominal_T_base: NDArray[np.float64]) -> None:
