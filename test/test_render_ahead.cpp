@@ -157,7 +157,7 @@ TEST_P(SurgTrack_RenderAheadMethods, templatesAreMovedToWhereTheToolIsOrNotUsed)
         {
             const ToolModel::Keypoint& k = r.scene->model()->keypoints()[m.part];
             std::vector<Matx44d> base_T_link;
-            r.scene->model()->forwardKinematics(r.joints(6)[0], base_T_link);
+            r.scene->model()->forwardKinematics(b[0].joints, base_T_link);
             // What is predicted is where the tool is now, with the correction of the frame before; what a frame corrects is left.
             const Point2d now = r.scene->camera().project(transformed(b[0].camera_T_nominal * r.scene->nominal_T_base(0) * base_T_link[k.link], k.linkPoint));
             EXPECT_LT(cv::norm(now - m.predictedPoint), GetParam() == METHOD_FULL ? 0.6 : 2.7) << c;   // measured: 0.31, 1.4 pixel

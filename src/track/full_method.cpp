@@ -52,6 +52,8 @@ FullMethod::FullMethod(int index, const Ptr<ToolModel>& model, const Matx44d& no
     imagePoints_.reserve(parts);
     noise_.reserve(parts);
     used_.reserve(parts);
+    without_.inliers.reserve(parts);
+    far_.inliers.reserve(parts);
     reset();
 }
 
@@ -77,12 +79,17 @@ const ToolView& FullMethod::predict(const std::vector<double>& joints)
 FullMethod::Pose FullMethod::pose() const
 {
     Pose pose;
+    keepPose(pose);
+    return pose;
+}
+
+void FullMethod::keepPose(Pose& pose) const
+{
     pose.filter = filter_->state();
     pose.evidence = evidence_;
     pose.inliers = inliers_;
     pose.visibleParts = visibleParts_;
     pose.eyes = eyes_;
-    return pose;
 }
 
 void FullMethod::setPose(const Pose& pose)
@@ -126,8 +133,10 @@ bool FullMethod::isStale(const Scene& scene)
         shownJoints_ = joints_;
         return false;
     }
-    foresee(shownJoints_, seen_);
-    return !seen_.base_T_link.empty() && !(viewChange(eye.camera(), *model_, filter_->view(), seen_).shift < staleShift * pixelScale_);
+    correctJoints(shownJoints_, foreseen_);
+    model_->forwardKinematics(foreseen_, seen_.base_T_link);
+    seen_.camera_T_base = filter_->view().camera_T_base;
+    return !(viewChange(eye.camera(), *model_, filter_->view(), seen_).shift < staleShift * pixelScale_);
 }
 
 // Windows about where the tool is drawn. known: as wide as the filter's covariance asks for
@@ -155,13 +164,13 @@ bool FullMethod::follow(Scene& scene, const PartDrawing* ahead)
     if (correct(scene) && params_.adaptation)
     {
         // A push is believed if it explains what is seen better.
-        const Pose without = pose();
+        keepPose(without_);
         filter_->inflate(pushRotation, pushTranslation);
         correct(scene);
-        if (evidence_.sum(thresholds_) > without.evidence.sum(thresholds_) + thresholds_.pushedGain) boosted_ = pushedFrames;
+        if (evidence_.sum(thresholds_) > without_.evidence.sum(thresholds_) + thresholds_.pushedGain) boosted_ = pushedFrames;
         else
         {
-            setPose(without);
+            setPose(without_);
             if (evidence_.nis > pushedNis) correctByOutline(scene);   // the set of points is a false one
         }
     }
@@ -227,12 +236,12 @@ void FullMethod::correctByOutline(Scene& scene)
    edges that are near to where the points have it. */
 void FullMethod::correctNearby(Scene& scene)
 {
-    const Pose far = pose();
+    keepPose(far_);
     filter_->undo();
     evidence_.points = correctPoints(scene, eyes(scene)) > 0;
     if (!evidence_.points) filter_->undo();
     refine(scene, nearPass);
-    if (evidence_.sum(thresholds_) < far.evidence.sum(thresholds_) + thresholds_.pushedGain) setPose(far);
+    if (evidence_.sum(thresholds_) < far_.evidence.sum(thresholds_) + thresholds_.pushedGain) setPose(far_);
 }
 
 // The state after a frame.

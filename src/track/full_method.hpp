@@ -44,6 +44,7 @@ private:
     void correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const CV_OVERRIDE { filter_->correctJoints(readings, joints); }
     const ToolView& predict(const std::vector<double>& joints) CV_OVERRIDE;
     Pose pose() const;
+    void keepPose(Pose& pose) const;
     void setPose(const Pose& pose);
 
     bool isStale(const Scene& scene);
@@ -86,6 +87,7 @@ private:
     int boosted_;                          // frames for which the process noise stays raised
 
     // Memory of one function each.
+    Pose without_, far_;
     PartWindows windows_;
     ToolView seen_;
     std::vector<int> parts_;

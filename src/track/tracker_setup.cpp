@@ -36,6 +36,7 @@ ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params
     checkParams(params);
     const bool full = params.method == METHOD_FULL;
     if (full) stages_.templates.wholeTool = true;
+    else stages_.matcher.contrast = 0;   // as published: without outlines as evidence, more orientations end in more false poses
     const Camera left = {camera, Matx44d::eye(), Mat()};
     cameras_.push_back(left);
     toolsChanged();

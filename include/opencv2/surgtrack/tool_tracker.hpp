@@ -97,7 +97,7 @@ public:
         CV_PROP_RW double initialWindow;       //!< half-width of the search window before the first pose [m on the tool]
         CV_PROP_RW double minWindow;           //!< smallest half-width of the search window while tracking [pixel at 720 px width]
         CV_PROP_RW int minInitialInliers;      //!< matches needed for a first pose (paper's release: more than 6); METHOD_FULL: to count as tracking at once, else five
-        CV_PROP_RW double minInitialSimilarity;   //!< their least mean similarity; bare tissue, real or rendered, gives less than 0.6, a tool 0.7 and more. Not METHOD_FULL, which has the outline too
+        CV_PROP_RW double minInitialSimilarity;   //!< their least mean similarity; bare tissue gives up to 0.6, a tool 0.75 and more. Not METHOD_FULL, which has the outline too
         CV_PROP_RW int confirmFrames;          //!< frames that must confirm a first pose before it counts as tracking; METHOD_FULL needs none where the evidence is strong
         CV_PROP_RW double coastingTime;        //!< without a measurement for longer a tool is lost [s]
         CV_PROP_RW int seed;                   //!< of all random choices
@@ -105,7 +105,7 @@ public:
 
     /** @brief Parameters of the stages that a tracker is made of. Pixels are those of an image 720 pixels wide. What a method or
     Params decide is overruled: wholeTool of templates (METHOD_FULL), seed and minInliers of the verifier, its zones and limits
-    (METHOD_PAPER, METHOD_EPNP), halfWindow of edges. */
+    and contrast of the matcher (METHOD_PAPER, METHOD_EPNP), halfWindow of edges. */
     struct CV_EXPORTS_W_SIMPLE Stages
     {
         CV_WRAP Stages();
