@@ -386,7 +386,7 @@ TEST_F(SurgTrack_ImportUrdf, meshesAreScaledMirroredAndPlaced)
 {
     put("peak.obj", TETRAHEDRON);
     const String visual = "<link name=\"l2\"><visual><origin xyz=\"0.1 0 0\" rpy=\"0 0 1.570796\"/><geometry><mesh filename=\"peak.obj\" "
-                          "scale=\"0.1 -0.2 0.3\"/></geometry></visual><visual><geometry><box size=\"1 1 1\"/></geometry></visual></link>";
+                          "scale=\"0.1 -0.2 0.3\"/></geometry></visual></link>";
     const Ptr<ToolModel> model = load(replaced(urdf(crane()), "<link name=\"l2\"/>", visual));
     ASSERT_EQ(1u, model->meshes().size());
     EXPECT_EQ(0, model->links().back().mesh);
