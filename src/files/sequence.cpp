@@ -81,7 +81,7 @@ struct PoseColumns
 
 } // namespace
 
-SequenceTool::SequenceTool() : nominal_T_base(Matx44d::eye()) {}
+SequenceTool::SequenceTool() : nominal_T_base(Matx44d::eye()), timeOffset(0) {}
 
 TrueKeypoint::TrueKeypoint() : visible(false) {}
 
@@ -122,7 +122,11 @@ void Sequence::readDescription(const String& filename, bool recorded)
 
     name_ = root.has("name") ? root["name"].text() : utils::fs::canonical(besideFile(filename, "."));
     name_ = name_.substr(name_.find_last_of("/\\") + 1);
-    fps_ = root["fps"].number();
+    const NodeReader frames = root["frames"];
+    if (recorded)
+        readFrames(frames.isThere() ? frames.path(table) : besideFile(filename, "frames.csv"));
+    if (frames_.empty() || root.has("fps"))
+        fps_ = root["fps"].number();
     if (fps_ <= 0)
         root["fps"].expected("a number larger than 0 [frames/s]");
     const Size size(root["image_width"].count("a whole number larger than 0 [pixel]"),
@@ -157,6 +161,8 @@ void Sequence::readDescription(const String& filename, bool recorded)
             name.expected("a name without comma, quote and line break");
         tool.model = tools[i]["model"].path("the path of a tool file");
         tool.nominal_T_base = near(tools[i]["camera_T_base"]);
+        if (tools[i].has("time_offset"))
+            tool.timeOffset = tools[i]["time_offset"].number();
         tools_.push_back(tool);
     }
 }
@@ -261,12 +267,13 @@ const Sequence::JointRecords& Sequence::records(int tool) const
     return records_[tool];
 }
 
-double Sequence::firstTime(int tool) const { return records(tool).times.front(); }
-double Sequence::lastTime(int tool) const { return records(tool).times.back(); }
+double Sequence::firstTime(int tool) const { return records(tool).times.front() - tools_[tool].timeOffset; }
+double Sequence::lastTime(int tool) const { return records(tool).times.back() - tools_[tool].timeOffset; }
 
 bool Sequence::jointsAt(int tool, double time, std::vector<double>& joints, const std::vector<String>& coordinates) const
 {
     const std::vector<double>& times = records(tool).times;
+    time += tools_[tool].timeOffset;
     const double interval = times.size() > 1 ? (times.back() - times.front()) / (times.size() - 1) : 0;
     const double slack = interval * (1 + 1e-6);   // times are rounded in the file
     if (!(time >= times.front() - slack && time <= times.back() + slack))
