@@ -106,25 +106,27 @@ private:
         int seen = 0;
         for (int i = 0; i < joints.rows; i++)
         {
-            std::vector<cv::Point3d> points;
+            cv::Mat keypoints;
             if (model.keypointNames().size() > 0)
-                model.keypointPositions(joints.row(i), points);
+                model.keypointPositions(joints.row(i), keypoints);
+            cv::Mat_<double> points = keypoints.empty() ? cv::Mat(0, 3, CV_64F) : keypoints.reshape(1, (int)model.keypointNames().size()).clone();
             const cv::Matx44d tip = model.endEffectorPose(joints.row(i));
-            points.push_back(cv::Point3d(tip(0, 3), tip(1, 3), tip(2, 3)));
+            points.push_back(cv::Mat(cv::Matx13d(tip(0, 3), tip(1, 3), tip(2, 3))));
             std::vector<cv::Point3d> view;
-            for (size_t k = 0; k < points.size(); k++)
+            for (int k = 0; k < points.rows; k++)
             {
-                const cv::Vec4d p = camera_T_base * cv::Vec4d(points[k].x, points[k].y, points[k].z, 1);
+                const cv::Vec4d p = camera_T_base * cv::Vec4d(points(k, 0), points(k, 1), points(k, 2), 1);
                 if (p[2] > 0.005 && p[2] < 1)
                     view.push_back(cv::Point3d(p[0], p[1], p[2]));
             }
             if (view.empty())
                 continue;
-            std::vector<cv::Point2d> pixels;
-            sequence_.leftCamera().projectPoints(view, pixels);
+            cv::Mat found;
+            sequence_.leftCamera().projectPoints(cv::Mat(view), found);
+            const cv::Mat_<double> pixels = found.reshape(1);
             bool inside = false;
-            for (size_t k = 0; k < pixels.size(); k++)
-                inside = inside || image.contains(pixels[k]);
+            for (int k = 0; k < pixels.rows; k++)
+                inside = inside || image.contains(cv::Point2d(pixels(k, 0), pixels(k, 1)));
             seen += inside;
         }
         return joints.rows ? (double)seen / joints.rows : 0;
@@ -150,9 +152,9 @@ private:
         const int half = 8;
         best.assign(corners.size(), -1);
         std::vector<cv::Point2d> pixels(corners.begin(), corners.end());
-        cv::Mat_<double> rays;
-        oneCamera.unprojectPoints(cv::Mat(pixels), rays);
-        rays = rays.reshape(1, (int)corners.size());
+        cv::Mat found;
+        oneCamera.unprojectPoints(cv::Mat(pixels).reshape(1), found);
+        const cv::Mat_<double> rays = found.reshape(1, (int)corners.size());
         for (size_t i = 0; i < corners.size(); i++)
         {
             std::vector<cv::Point3d> points;
@@ -166,8 +168,10 @@ private:
             }
             if (points.empty())
                 continue;
+            cv::Mat pixelsThere;
+            otherCamera.projectPoints(cv::Mat(points).reshape(1), pixelsThere);
             std::vector<cv::Point2d> there;
-            otherCamera.projectPoints(points, there);
+            pixelsThere.reshape(2).copyTo(there);
             const cv::Rect patch(cvRound(corners[i].x) - half, cvRound(corners[i].y) - half, 2 * half + 1, 2 * half + 1), all(cv::Point(), one.size());
             for (size_t k = 0; k < there.size(); k++)
             {
