@@ -27,6 +27,7 @@ const char* const KEYS =
     "{ tool          |        | name of the tool it is set for }"
     "{ arm           |        | camera-on-arm, with --into: base_T_arm while the sequence was recorded, as tx,ty,tz,qx,qy,qz,qw }"
     "{ base          |        | the same: base of the instrument's arm in the base of the arm that holds the camera }"
+    "{ force         |        | write into the sequence what does not fit, too }"
     "{ quiet         |        | no progress }";
 
 const int mostPoses = 60;    // time grows with the square of their number; more add little
@@ -37,8 +38,10 @@ struct Options
     CalibrationBoard board;
     HandEyeParams params;
     Matx44d arm, cameraBase_T_base;    //!< with camera-on-arm
-    bool quiet;
+    bool force, quiet;
 };
+
+const double worstFit = 0.005, worstTurn = 5 * CV_PI / 180;    // [m], [rad] of poses left out: what is worse is warned of as no calibration
 
 Matx44d readPose(const CommandLineParser& parser, const char* name)
 {
@@ -102,6 +105,7 @@ Options readOptions(const CommandLineParser& parser)
     options.params.method = readMethod(parser.get<String>("method"));
     options.params.rejection = common::number(parser, "rejection", 0, 1e6);
     options.params.seed = common::integer(parser, "seed", 0);
+    options.force = parser.has("force");
     options.quiet = parser.has("quiet");
     const String setup = parser.get<String>("setup");
     if (setup != "board-on-tool" && setup != "camera-on-arm") fail("argument '--setup=" + setup + "': expected board-on-tool or camera-on-arm");
@@ -176,6 +180,9 @@ int run(const CommandLineParser& parser)
         fail("the calibration can't be told: " + result.reason);
     printResult(options, pairs, result, !camera.imageSize().empty());
     if (options.into.empty()) return 0;
+    if (!options.force && !(result.best.leftOutTranslation < worstFit && result.best.leftOutRotation < worstTurn))
+        fail(options.into + ": is left as it was: poses that are off by more than 5 mm or 5 degrees are no calibration; are robot poses "
+             "base_T_tool, not their inverse, and in metres? --force writes it all the same");
     const bool onTool = options.params.setup == HAND_EYE_BOARD_ON_TOOL;
     const Matx44d& T = result.best.camera_T_mount;
     writeHandEye(options.into, options.tool, onTool ? T : T * options.arm.inv() * options.cameraBase_T_base);
@@ -189,6 +196,6 @@ int main(int argc, char** argv)
 {
     const common::Program program = { "hand_eye", "Hand-eye calibration: the camera against the robot, from poses of the robot and of a calibration board.",
                                       KEYS, { "robot", "board-poses", "images", "board", "board-size", "spacing-mm", "camera", "setup", "method",
-                                        "rejection", "seed", "into", "tool", "arm", "base" }, { "quiet" } };
+                                        "rejection", "seed", "into", "tool", "arm", "base" }, { "force", "quiet" } };
     return common::runProgram(argc, argv, program, run);
 }

@@ -9,6 +9,8 @@
 #include "opencv2/core/utils/filesystem.hpp"
 #include "opencv2/videoio.hpp"
 #include "support/common.hpp"
+#include "support/units.hpp"
+#include "support/video.hpp"
 
 using namespace cv;
 using namespace cv::surgtrack;
@@ -17,8 +19,8 @@ namespace {
 
 const char* const KEYS =
     "{ help h       |      | print this }"
-    "{ from         |      | format of the files: dvrk, urdf (tools); camera_info, opencv_stereo, surgpose (cameras); joints_csv (joint "
-    "readings); daVinciToolTrack (a recording: joints, hand-eye and cameras); endovis15, surgpose_keypoints (labels) }"
+    "{ from         |      | format of the files: dvrk, urdf (tools); camera_info, opencv_stereo, surgpose (cameras); joints_csv, surgpose_joints "
+    "(joint readings); daVinciToolTrack (a recording: joints, hand-eye and cameras); endovis15, surgpose_keypoints (labels) }"
     "{ in           |      | the files, separated by commas }"
     "{ out          |      | dvrk, urdf: tool file to write, YAML, its meshes beside it; labels: keypoints.csv to write }"
     "{ into         |      | cameras, joints, recordings: folder of the sequence to write into; is made if it does not exist }"
@@ -35,11 +37,12 @@ const char* const KEYS =
     "{ left         |      | cameras, recordings: video of the left camera }"
     "{ right        |      | the same of the right one }"
     "{ fps          |      | frames a second; without it that of the video }"
-    "{ tool         |      | joints_csv: name of the tool in the sequence }"
-    "{ model        |      | joints_csv, daVinciToolTrack: tool file; a copy goes into the sequence }"
+    "{ tool         |      | joints: name of the tool in the sequence; of surgpose_joints also the arm, PSM1 or PSM3 }"
+    "{ jaw          |      | surgpose_joints: the jaw's angle, which the recording has not [rad] }"
+    "{ model        |      | joints, daVinciToolTrack: tool file; a copy goes into the sequence }"
     "{ columns      |      | joints_csv: the columns of the tool's coordinates, separated by commas; without it by the names of dVRK and ROS }"
     "{ start        |      | joints_csv: time stamp of the first frame [s]; without it that of the first reading }"
-    "{ hand-eye     |      | joints_csv: file of cv::FileStorage with the 4x4 matrix camera_T_base [m]; puts the tool into sequence.yaml }"
+    "{ hand-eye     |      | joints: file with the 4x4 matrix camera_T_base [m], or ...-registration-open-cv.json of the dVRK; puts the tool into sequence.yaml }"
     "{ tools        |      | labels: TOOL:NAME of the tools to write, separated by commas; without it all, by their names }"
     "{ quiet        |      | do not say what was written }";
 
@@ -70,13 +73,15 @@ public:
             importCameras(from);
         else if (from == "joints_csv")
             importReadings();
+        else if (from == "surgpose_joints")
+            importSurgPose();
         else if (from == "daVinciToolTrack")
             importRecording();
         else if (from == "endovis15" || from == "surgpose_keypoints")
             importLabels(from);
         else
             common::fail("argument '--from=" + from + "': expected dvrk, urdf, camera_info, opencv_stereo, surgpose, joints_csv, "
-                         "daVinciToolTrack, endovis15 or surgpose_keypoints");
+                         "surgpose_joints, daVinciToolTrack, endovis15 or surgpose_keypoints");
     }
 
 private:
@@ -135,6 +140,15 @@ private:
             say("less than 6 keypoints: it needs more to be tracked, see --keypoints and --like");
     }
 
+    //! The absolute path of a file, or of a pattern of files as img/%05d.png.
+    static String absolute(const String& filename)
+    {
+        if (utils::fs::exists(filename))
+            return utils::fs::canonical(filename);
+        const size_t slash = filename.find_last_of("/\\");
+        return utils::fs::join(utils::fs::canonical(slash == String::npos ? String(".") : filename.substr(0, slash + 1)), filename.substr(slash + 1));
+    }
+
     //! The absolute path of a video, checked, and its rate if there is no other.
     static String video(const String& filename, Size size, double* fps)
     {
@@ -143,13 +157,15 @@ private:
         VideoCapture capture(filename);
         if (!capture.isOpened())
             common::fail(filename + ": can't be read, expected a video");
+        common::asRecorded(capture);
         const Size found(cvRound(capture.get(CAP_PROP_FRAME_WIDTH)), cvRound(capture.get(CAP_PROP_FRAME_HEIGHT)));
         if (found != size)
             common::fail(format("%s: images of %dx%d pixels, expected %dx%d as the camera was calibrated for", filename.c_str(), found.width,
                                 found.height, size.width, size.height));
+        common::warnOfRate(capture, filename, fps ? *fps : 0);
         if (fps && *fps == 0)
             *fps = capture.get(CAP_PROP_FPS);
-        return utils::fs::canonical(filename);
+        return absolute(filename);
     }
 
     double putCameras(const CameraPair& cameras) const
@@ -199,37 +215,47 @@ private:
         return name;
     }
 
-    static Matx44d handEye(const String& filename)
-    {
-        Mat m;
-        try
-        {
-            const FileStorage file(filename, FileStorage::READ);
-            if (file.isOpened() && file["camera_T_base"].isMap())
-                file["camera_T_base"] >> m;
-        }
-        catch (const Exception&) {}
-        if (m.size() != Size(4, 4) || m.channels() != 1)
-            common::fail(filename + ": expected a file of cv::FileStorage with the 4x4 matrix camera_T_base");
-        Matx44d T;
-        m.convertTo(T, CV_64F);
-        return T;
-    }
-
     void importReadings() const
     {
-        const String folder = needed("into", "DIR"), tool = needed("tool", "NAME"), filename = needed("model", "TOOL.yaml");
-        const Ptr<ToolModel> model = ToolModel::load(filename, 0);
+        needed("into", "DIR");
+        needed("tool", "NAME");
+        const Ptr<ToolModel> model = ToolModel::load(needed("model", "TOOL.yaml"), 0);
         std::vector<double> times;
         Mat joints;
         importJoints(files(), model->coordinateNames(), times, joints, split(text("columns")));
         const double start = text("start").empty() ? times[0] : common::number(parser_, "start", -1e300, 1e300);
         for (size_t i = 0; i < times.size(); i++)
             times[i] -= start;
-        writeSequenceJoints(folder, tool, model->coordinateNames(), times, joints);
+        putReadings(*model, times, joints);
+    }
+
+    //! --into, --tool, --model and --hand-eye say where.
+    void putReadings(const ToolModel& model, const std::vector<double>& times, const Mat& joints) const
+    {
+        const String folder = needed("into", "DIR"), tool = needed("tool", "NAME"), filename = text("model");
+        const String fault = common::unitFault(model, joints);
+        if (!fault.empty())
+            common::fail(in_[0] + ": " + fault);
+        writeSequenceJoints(folder, tool, model.coordinateNames(), times, joints);
         if (!text("hand-eye").empty())
-            writeSequenceTool(folder, tool, putModel(*model, filename, folder), handEye(text("hand-eye")));
+            writeSequenceTool(folder, tool, putModel(model, filename, folder), importHandEye(text("hand-eye")));
         say(folder + format("/kinematics.csv: %d readings of %s from %.3f to %.3f s", (int)times.size(), tool.c_str(), times[0], times.back()));
+    }
+
+    void importSurgPose() const
+    {
+        const Ptr<ToolModel> model = ToolModel::load(needed("model", "TOOL.yaml"), 0);
+        const double jaw = text("jaw").empty() ? 0 : common::number(parser_, "jaw", -7, 7);
+        needed("fps", "NUMBER");
+        const double fps = common::number(parser_, "fps", 1e-3, 1e5);
+        Mat joints;
+        importSurgPoseJoints(oneFile(), needed("tool", "PSM1"), (int)model->coordinateNames().size(), jaw, joints);
+        std::vector<double> times;
+        for (int frame = 0; frame < joints.rows; frame++)
+            times.push_back(frame / fps);
+        if (text("jaw").empty())
+            say("the recording has no jaw: it is taken to be closed, at 0 rad, see --jaw");
+        putReadings(*model, times, joints);
     }
 
     //! The file of the folder whose name starts and ends so.
@@ -290,7 +316,7 @@ int main(int argc, char** argv)
 {
     const common::Program program = { "import", "Brings files of other programs into the formats of this module.",
                                       KEYS, { "from", "in", "out", "into", "like", "meshes", "mesh-scale", "mesh-axes", "keypoints", "packages",
-                                        "base", "end-effector", "unit", "image-size", "left", "right", "fps", "tool", "model",
+                                        "base", "end-effector", "unit", "image-size", "left", "right", "fps", "tool", "jaw", "model",
                                         "columns", "start", "hand-eye", "tools" }, { "quiet" } };
     return common::runProgram(argc, argv, program, run);
 }

@@ -41,7 +41,7 @@ CHANNELS = {'mono8': 1, '8UC1': 1, 'bgr8': 3, '8UC3': 3, 'rgb8': 3, 'bgra8': 4, 
 CONVERSIONS = {'rgb8': cv.COLOR_RGB2BGR, 'bgra8': cv.COLOR_BGRA2BGR, '8UC4': cv.COLOR_BGRA2BGR, 'rgba8': cv.COLOR_RGBA2BGR,
                'bayer_rggb8': cv.COLOR_BayerBG2BGR, 'bayer_bggr8': cv.COLOR_BayerRG2BGR,
                'bayer_gbrg8': cv.COLOR_BayerGR2BGR, 'bayer_grbg8': cv.COLOR_BayerGB2BGR}
-DISTORTIONS = {'plumb_bob': 5, 'rational_polynomial': 8}
+DISTORTIONS = {'plumb_bob': 5, 'rational_polynomial': 12}       # coefficients that may be other than 0
 
 
 def seconds(stamp):
@@ -72,11 +72,18 @@ def camera_from_message(message):
     model = message.distortion_model
     if D.size and model not in DISTORTIONS:
         raise ValueError("camera_info: distortion_model '%s', expected one of %s" % (model, ', '.join(sorted(DISTORTIONS))))
-    if D.size and D.size != DISTORTIONS[model]:
-        raise ValueError('camera_info: d has %d numbers, expected %d of a %s' % (D.size, DISTORTIONS[model], model))
+    if D.size not in (0, 4, 5, 8, 12, 14):
+        raise ValueError('camera_info: d has %d numbers, expected 4, 5, 8, 12 or 14' % D.size)
+    if D.size and D[DISTORTIONS[model]:].any():
+        raise ValueError('camera_info: d has %d numbers, expected zeros behind the first %d of a %s' % (D.size, DISTORTIONS[model], model))
+    D = D[:DISTORTIONS[model]] if D.size else D
     if max(message.binning_x, message.binning_y) > 1:
         raise ValueError('camera_info: binning %d x %d, expected images of full size' % (message.binning_x, message.binning_y))
-    return st.CameraModel(K, D, (message.width, message.height))
+    size, roi = (message.width, message.height), getattr(message, 'roi', None)
+    if roi is not None and roi.width and roi.height:            # k is of the whole sensor, the images are of a part of it
+        K = K - [[0, 0, roi.x_offset], [0, 0, roi.y_offset], [0, 0, 0]]
+        size = (roi.width, roi.height)
+    return st.CameraModel(K, D, size)
 
 
 def reading_from_message(message, jaw=False):
@@ -231,7 +238,7 @@ def main():
     try:
         run(args, ros_arguments)
     except cv.error as e:
-        print('ros2_node.py: %s' % (e.err or e), file=sys.stderr)
+        print('ros2_node.py: %s' % e.err, file=sys.stderr)
         return 1
     return 0
 

@@ -11,6 +11,7 @@
 #include "support/debug_pictures.hpp"
 #include "support/frame_reader.hpp"
 #include "support/run_output.hpp"
+#include "support/setup_check.hpp"
 #include "support/tools.hpp"
 
 using namespace cv;
@@ -35,6 +36,7 @@ const char* const KEYS =
     "{ frames   | 0     | number of frames, 0 = to the end of the video }"
     "{ time-offset | 0  | the joints that belong to the image of time t were recorded at t + SECONDS; auto: found from the sequence }"
     "{ render-ahead |   | draw the templates of the next frame in a second thread: faster, the poses differ a little }"
+    "{ check    |       | only look for mistakes of the setup: units, hand-eye calibration, clocks, eyes; exit code 1 if there are any }"
     "{ quiet    |       | no progress }";
 
 struct Options
@@ -42,7 +44,7 @@ struct Options
     String sequence, poses, video, timings, debug, debugFrames;
     int method, start, frames;
     double timeOffset;    // [s]
-    bool findTimeOffset, stereo, renderAhead, quiet;
+    bool findTimeOffset, stereo, renderAhead, check, quiet;
 };
 
 void readTimeOffset(const String& text, Options& options)
@@ -67,6 +69,7 @@ Options readOptions(const CommandLineParser& parser)
     options.frames = common::integer(parser, "frames", 0);
     readTimeOffset(parser.get<String>("time-offset"), options);
     options.renderAhead = parser.has("render-ahead");
+    options.check = parser.has("check");
     options.quiet = parser.has("quiet");
     const String method = parser.get<String>("method");
     if (method != "full" && method != "paper" && method != "epnp")
@@ -130,7 +133,7 @@ std::vector<common::DebugTool> debugTools(const Run& run, const std::vector<Tool
 }
 
 //! Time of the joint readings that belong to a frame.
-double readingTime(const Run& run, int frame) { return frame / run.sequence->fps() + run.timeOffset; }
+double readingTime(const Run& run, int frame) { return run.sequence->frameTime(frame) + run.timeOffset; }
 
 //! The joint readings of all tools at a frame. Returns the first tool whose records do not reach it, or -1.
 int readJoints(const Run& run, int frame, std::vector<std::vector<double> >& joints)
@@ -205,7 +208,7 @@ void skipFrame(Run& run, int frame, std::vector<std::vector<double> >& joints, s
 void trackFrame(Run& run, int frame, const Mat& image, const Mat& right, const std::vector<std::vector<double> >& joints,
                 std::vector<ToolEstimate>& estimates)
 {
-    const double time = frame / run.sequence->fps();
+    const double time = run.sequence->frameTime(frame);
     if (right.empty())
         run.tracker->update(image, time, joints, estimates);
     else
@@ -218,7 +221,7 @@ void trackFrame(Run& run, int frame, const Mat& image, const Mat& right, const s
 
 void record(Run& run, int frame, const std::vector<ToolEstimate>& estimates, PoseWriter* writer)
 {
-    const double time = frame / run.sequence->fps();
+    const double time = run.sequence->frameTime(frame);
     for (int i = 0; i < (int)run.tools.size(); i++)
     {
         run.tools[i].tracked += estimates[i].state == STATE_TRACKING;
@@ -255,11 +258,12 @@ struct Outputs
     common::FrameChoice debugFrames;
 };
 
-CV_NORETURN void failReadings(const Run& run, int tool, int frame)
+//! Once: recordings hardly ever start together.
+void warnOfMissing(const Run& run, int tool, int frame)
 {
-    fail(format("%s: no joint readings of tool '%s' at %.3f s (frame %d), expected the time of every frame; they cover %.3f to %.3f s",
-                run.sequence->kinematicsFile().c_str(), run.tools[tool].info.name.c_str(), frame / run.sequence->fps(), frame,
-                run.sequence->firstTime(tool), run.sequence->lastTime(tool)));
+    std::fprintf(stderr, "warning: %s: no joint readings of tool '%s' at %.3f s (frame %d), they cover %.3f to %.3f s: such frames are not tracked\n",
+                 run.sequence->kinematicsFile().c_str(), run.tools[tool].info.name.c_str(), readingTime(run, frame), frame,
+                 run.sequence->firstTime(tool), run.sequence->lastTime(tool));
 }
 
 //! At the end of the video.
@@ -292,8 +296,8 @@ void track(const Options& options, Run& run)
         if (!reader.read(image, right))
             break;
         const int missing = readJoints(run, frame, joints);
-        if (missing >= 0 && run.timeOffset == 0)
-            failReadings(run, missing, frame);
+        if (missing >= 0 && run.timeOffset == 0 && run.skipped == 0)
+            warnOfMissing(run, missing, frame);
         if (missing >= 0)
             skipFrame(run, frame, joints, estimates);
         else
@@ -302,7 +306,7 @@ void track(const Options& options, Run& run)
                 run.tracker->renderAhead(nextJoints);
             trackFrame(run, frame, image, right, joints, estimates);
             if (outputs.timings)
-                outputs.timings->write(frame, frame / run.sequence->fps(), run.tracker->getTimings());
+                outputs.timings->write(frame, run.sequence->frameTime(frame), run.tracker->getTimings());
             if (outputs.debug && outputs.debugFrames.wants(frame))
                 outputs.debug->write(frame, image, debugTools(run, estimates));
         }
@@ -324,7 +328,7 @@ void printSummary(const Run& run)
     std::printf("%s: %d frames of %dx%d\n", run.sequence->name().c_str(), run.frames, size.width, size.height);
     for (size_t i = 0; i < run.tools.size(); i++)
         std::printf("  %-8s tracked in %.1f %% of the frames\n", run.tools[i].info.name.c_str(), 100. * run.tools[i].tracked / run.frames);
-    if (run.timeOffset != 0)
+    if (run.timeOffset != 0 || run.skipped > 0)
         std::printf("  time offset %.4f s, %d frames without joint readings\n", run.timeOffset, run.skipped);
     std::printf("time a frame [ms]   median      95 %%\n");
     const std::vector<StageTime> times = run.tracker->getTimings();
@@ -349,11 +353,44 @@ void printSummary(const Run& run)
     std::fflush(stdout);
 }
 
+//! @return number of findings
+int printFindings(const Options& options, const Run& run)
+{
+    const std::vector<std::string> findings = common::SetupCheck(*run.sequence, run.tools).run(options.stereo);
+    for (size_t i = 0; i < findings.size(); i++)
+        std::fprintf(stderr, "check: %s\n", findings[i].c_str());
+    return (int)findings.size();
+}
+
+//! @return the exit code: 2 if nothing was tracked; then what may be the cause is printed
+int verdict(const Options& options, const Run& run)
+{
+    for (size_t i = 0; i < run.tools.size(); i++)
+        if (run.tools[i].tracked > 0)
+            return 0;
+    if (printFindings(options, run) == 0)
+        std::fprintf(stderr, "check: nothing was tracked, though units and calibration are plausible: is it this instrument (model), this arm (name), "
+                     "this time (time_offset), and does the hand-eye calibration put it within some centimetres?\n");
+    return 2;
+}
+
 int run(const CommandLineParser& parser)
 {
     Run run;
     const Options options = readOptions(parser);
     prepare(options, run);
+    if (options.check)
+    {
+        const int findings = printFindings(options, run);
+        std::printf("%s: %d findings\n", run.sequence->name().c_str(), findings);
+        return findings > 0;
+    }
+    if (options.stereo)
+    {
+        const std::string eyes = common::SetupCheck::eyesFault(*run.sequence);
+        if (!eyes.empty())
+            std::fprintf(stderr, "warning: %s\n", eyes.c_str());
+    }
     if (options.findTimeOffset)
         findTimeOffset(options, run);
     try
@@ -367,7 +404,7 @@ int run(const CommandLineParser& parser)
         throw;
     }
     printSummary(run);
-    return 0;
+    return verdict(options, run);
 }
 
 } // namespace
@@ -376,6 +413,6 @@ int main(int argc, char** argv)
 {
     const common::Program program = { "track_sequence", "Tracks the tools of a recorded sequence by their CAD models and joint readings.",
                                       KEYS, { "sequence", "poses", "video", "method", "start", "frames", "time-offset", "timings", "debug", "debug-frames" },
-                                      { "stereo", "render-ahead", "quiet" } };
+                                      { "stereo", "render-ahead", "check", "quiet" } };
     return common::runProgram(argc, argv, program, run);
 }

@@ -83,7 +83,7 @@ TEST_F(SurgTrack_ImportCameras, wrongCameraInfosAreRefused)
     expectInfoError("plumb_bob", "equidistant", "equidistant");
     expectInfoError("image_width: 720\n", "", "image_width");
     expectInfoError("image_height: 576", "image_height: none", "image_height");
-    expectInfoError("-0.005, 0.001, 0]", "-0.005, 0.001]", "distortion_coefficients");
+    expectInfoError("-0.005, 0.001, 0]", "-0.005]", "distortion_coefficients");
     expectInfoError("[854.5,", "[-854.5,", "cameraMatrix");
     expectInfoError("[854.5,", "[x,", "camera_matrix");
     EXPECT_ERROR(importCameraInfo(list(path("none.yaml"))), "none.yaml");

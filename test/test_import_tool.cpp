@@ -214,6 +214,25 @@ TEST_F(SurgTrack_ImportDvrk, refusesWhatItCannotTake)
     EXPECT_ERROR(tool(parts), "meshScale");
 }
 
+TEST_F(SurgTrack_ImportDvrk, filesThatAreMissingOrExchangedAreRefused)
+{
+    tool();
+    EXPECT_ERROR(importDvrkTool(list(put("DRIVER_1.json", INSTRUMENT), put("PSM.json", ARM))), "expected the arm's file");
+    EXPECT_ERROR(importDvrkTool(list(path("DRIVER_1.json"))), "expected the arm's file (PSM.json)");
+    const String bare = replaced(replaced(INSTRUMENT, "\"jaw\"", "\"other\""), "\"tooltip_offset\"", "\"another\"");
+    EXPECT_ERROR(importDvrkTool(list(put("bare.json", bare), path("PSM.json"))), "expected the arm's file");
+}
+
+TEST_F(SurgTrack_ImportDvrk, passiveJointsDoNotMove)
+{
+    const String arm = replaced(ARM, "\"mode\": \"active\"", "\"mode\": \"passive\"");
+    const Ptr<ToolModel> model = orSkip([&]() { return importDvrkTool(list(put("PSM.json", arm), put("DRIVER_1.json", INSTRUMENT))); });
+    ASSERT_EQ(3u, model->coordinateNames().size());
+    EXPECT_EQ("q1", model->coordinateNames()[0]);
+    std::vector<double> moving = { 0.1, 0.2, 0.3 }, all = { 0, 0.1, 0.2, 0.3 };
+    EXPECT_LT(cv::norm(model->endEffectorPose(moving) - tool()->endEffectorPose(all)), 1e-14);   // rounding
+}
+
 // ---- URDF
 
 String number(double value) { return format("%.17g", value); }
@@ -386,7 +405,7 @@ TEST_F(SurgTrack_ImportUrdf, meshesAreScaledMirroredAndPlaced)
 {
     put("peak.obj", TETRAHEDRON);
     const String visual = "<link name=\"l2\"><visual><origin xyz=\"0.1 0 0\" rpy=\"0 0 1.570796\"/><geometry><mesh filename=\"peak.obj\" "
-                          "scale=\"0.1 -0.2 0.3\"/></geometry></visual><visual><geometry><box size=\"1 1 1\"/></geometry></visual></link>";
+                          "scale=\"0.1 -0.2 0.3\"/></geometry></visual></link>";
     const Ptr<ToolModel> model = load(replaced(urdf(crane()), "<link name=\"l2\"/>", visual));
     ASSERT_EQ(1u, model->meshes().size());
     EXPECT_EQ(0, model->links().back().mesh);
@@ -450,6 +469,57 @@ TEST_F(SurgTrack_ImportUrdf, baseAndEndEffectorCanBeChosen)
     EXPECT_ERROR(load(urdf(crane()), parts), "`l8`");
     parts.base = "l2";
     EXPECT_ERROR(load(urdf(crane()), parts), "nothing hangs on");
+}
+
+TEST_F(SurgTrack_ImportUrdf, coordinatesComeOnTheWayToTheEndEffectorFirst)
+{
+    const String joints = "<link name=\"a\"/><link name=\"b\"/><link name=\"c\"/><link name=\"d\"/>"
+        "<!-- <joint name=\"elbow\"/> -->"
+        "<joint type=\"continuous\" name=\"side\"><parent link=\"a\"/><child link=\"d\"/><axis xyz=\"0 0 1\"/></joint>"
+        "<joint name=\"zenith\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/><axis xyz=\"0 0 1\"/></joint>"
+        "<joint name=\"elbow\" type=\"continuous\"><parent link=\"b\"/><child link=\"c\"/><axis xyz=\"0 0 1\"/></joint></robot>";
+    ToolParts parts;
+    parts.endEffector = "c";
+    const std::vector<String> names = load("<robot name=\"r\">" + joints, parts)->coordinateNames();
+    ASSERT_EQ(3u, names.size());
+    EXPECT_EQ("zenith", names[0]);
+    EXPECT_EQ("elbow", names[1]);
+    EXPECT_EQ("side", names[2]);
+}
+
+TEST_F(SurgTrack_ImportUrdf, shapesBecomeMeshes)
+{
+    const struct { const char* geometry; double volume; } shapes[] = {
+        { "<cylinder radius=\"0.1\" length=\"0.5\"/>", CV_PI * 0.01 * 0.5 },
+        { "<sphere radius=\"0.1\"/>", CV_PI * 0.001 * 4 / 3 },
+        { "<box size=\"0.1 0.2 0.3\"/>", 0.006 } };
+    for (int i = 0; i < 3; i++)
+    {
+        const String visual = String("<link name=\"l2\"><visual><origin xyz=\"0.3 0 0\"/><geometry>") + shapes[i].geometry + "</geometry></visual></link>";
+        const Ptr<ToolModel> model = load(replaced(urdf(crane()), "<link name=\"l2\"/>", visual));
+        ASSERT_EQ(1u, model->meshes().size());
+        const Mesh& mesh = model->meshes()[0];
+        double volume = 0;
+        for (size_t k = 0; k < mesh.triangles.size(); k++)
+        {
+            const Vec3d a(Point3d(mesh.vertices[mesh.triangles[k][0]])), b(Point3d(mesh.vertices[mesh.triangles[k][1]]));
+            volume += a.dot(b.cross(Vec3d(Point3d(mesh.vertices[mesh.triangles[k][2]])))) / 6;
+        }
+        EXPECT_NEAR(shapes[i].volume, volume, 0.01 * shapes[i].volume) << shapes[i].geometry;   // 48 sides
+    }
+}
+
+TEST_F(SurgTrack_ImportUrdf, meshesThatAreReplacedAreNotRead)
+{
+    put("peak.obj", TETRAHEDRON);
+    const String visual = "<link name=\"l2\"><visual><geometry><mesh filename=\"cover.dae\"/></geometry></visual></link>";
+    const String text = replaced(urdf(crane()), "<link name=\"l2\"/>", visual);
+    ToolParts parts;
+    EXPECT_ERROR(load(text, parts), "cover.dae");
+    parts.meshes = list("l2:" + path("peak.obj"));
+    EXPECT_EQ(1u, load(text, parts)->meshes().size());
+    parts.meshes = list("l2:none");
+    EXPECT_EQ(0u, load(text, parts)->meshes().size());
 }
 
 TEST_F(SurgTrack_ImportUrdf, refusesWhatItCannotTake)

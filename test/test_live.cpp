@@ -236,7 +236,7 @@ TEST(SurgTrack_JointBuffer, keepsEachCoordinateByItself)
 {
     const Ptr<JointBuffer> b = buffer();
     JointReading arm, jaw;
-    arm.names = names("pitch", "yaw");                           // no coordinates: taken in order, all but the jaw
+    arm.names = names("shoulder", "elbow");                      // no coordinates: taken in order, all but the jaw
     jaw.names = std::vector<String>(1, "jaw");
     std::vector<double> joints;
     for (int i = 0; i < 10; i++)
@@ -263,6 +263,23 @@ TEST(SurgTrack_JointBuffer, keepsEachCoordinateByItself)
     EXPECT_EQ(0.09, b->newest());                                // q2 has nothing new
 }
 
+// The dVRK's names are those of q1 to q6 wherever they stand, with the jaw in the same message or not.
+TEST(SurgTrack_JointBuffer, knowsTheNamesOfTheDVRK)
+{
+    const char* const coordinates[] = { "q1", "q2", "q3", "q4", "q5", "q6", "jaw" };
+    const char* const sent[] = { "insertion", "outer_pitch", "roll", "wrist_pitch", "PSM1_wrist_yaw", "yaw", "jaw" };
+    const double values[] = { 0.12, 0.2, 0.4, 0.5, 0.6, 0.1, 0.7 }, expected[] = { 0.1, 0.2, 0.12, 0.4, 0.5, 0.6, 0.7 };
+    const Ptr<JointBuffer> b = JointBuffer::create(std::vector<String>(coordinates, coordinates + 7));
+    JointReading all;
+    all.names.assign(sent, sent + 7);
+    all.positions.assign(values, values + 7);
+    all.time = 3;
+    EXPECT_TRUE(b->add(all));
+    std::vector<double> joints;
+    ASSERT_EQ(JOINTS_FOUND, b->at(3, joints));
+    EXPECT_EQ(std::vector<double>(expected, expected + 7), joints);
+}
+
 TEST(SurgTrack_JointBuffer, refusesWhatDoesNotFit)
 {
     const Ptr<JointBuffer> b = buffer();
@@ -270,9 +287,9 @@ TEST(SurgTrack_JointBuffer, refusesWhatDoesNotFit)
     r.positions.pop_back();
     r.positions.pop_back();
     EXPECT_ERROR(b->add(r), "a reading has 1 positions without names; expected 3, or 2 without the jaw");
-    r.names.push_back("yaw");
+    r.names.push_back("elbow");
     EXPECT_ERROR(b->add(r), "whose names are no coordinates");
-    r.names.push_back("pitch");
+    r.names.push_back("wrist");
     EXPECT_ERROR(b->add(r), "one name a position");
     EXPECT_ERROR(b->add(reading(NOT_A_NUMBER, 1, 1, 1)), "finite");
     EXPECT_ERROR(b->add(reading(1, 1, NOT_A_NUMBER, 1)), "finite");

@@ -231,6 +231,45 @@ TEST(SurgTrack_Mesh, everyFormatGivesTheSameCube)
     }
 }
 
+// A square pyramid of height 3 on [0, 2]^2, in forms other programs write.
+void expectPyramid(const std::string& content, const char* extension)
+{
+    const MeshFile file(content, extension);
+    Mesh mesh;
+    ASSERT_NO_THROW(mesh = loadMesh(file.name)) << content;
+    ASSERT_EQ(6u, mesh.triangles.size()) << content;
+    double volume = 0;
+    for (size_t i = 0; i < mesh.triangles.size(); ++i)
+    {
+        const Vec3i& t = mesh.triangles[i];
+        volume += Vec3d(Point3d(mesh.vertices[t[0]])).dot(Vec3d(Point3d(mesh.vertices[t[1]])).cross(Vec3d(Point3d(mesh.vertices[t[2]])))) / 6;
+    }
+    EXPECT_NEAR(4, volume, 1e-5) << content;   // float rounding
+}
+
+TEST(SurgTrack_Mesh, formsOfOtherProgramsAreRead)
+{
+    const std::string points = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 3\nvt 0 0\nvn 0 0 1\n";
+    expectPyramid(points + "f 1 4 3 \\\n 2\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n", ".obj");
+    expectPyramid(points + "f 1//1 4//1 3//1 2//1\nf 1/1/1 2/1/1 5/1/1\nf 2 3 5\nf 3/1 4/1 5/1\nf 4/1/ 1// -1\n", ".obj");
+    const std::string head = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement face 5\n";
+    const std::string corners = "end_header\n0 0 0\n2 0 0\n2 2 0\n0 2 0\n1 1 3\n";
+    expectPyramid(head + "property list uchar int vertex_index\n" + corners + "4 0 3 2 1\n3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n", ".ply");
+    expectPyramid(head + "property list uchar int vertex_indices\nproperty list uchar float texcoord\n" + corners
+                  + "4 0 3 2 1 8 0 0 0 1 1 1 1 0\n3 0 1 4 6 0 0 1 0 0 1\n3 1 2 4 6 0 0 1 0 0 1\n3 2 3 4 6 .1 0 1 0 0 1\n3 3 0 4 0\n", ".ply");
+}
+
+TEST(SurgTrack_Mesh, stlMayBeginAndEndInOtherWays)
+{
+    const MeshFile spaced("  \n" + stlCube(false), ".stl"), padded(stlCube(true) + "twelve bytes", ".stl");
+    expectCube(loadMesh(spaced.name), "spaces before");
+    expectCube(loadMesh(padded.name), "bytes behind");
+    const MeshFile words(replaced(stlCube(false), "endsolid", "end solid"), ".stl"), filled(stlCube(true) + std::string(300, '\0'), ".stl");
+    expectCube(loadMesh(words.name), "two words");
+    expectCube(loadMesh(filled.name), "filled up");
+    EXPECT_NE("", errorOf(stlCube(true) + std::string(300, 'x'), ".stl"));   // may be more triangles than it says
+}
+
 TEST(SurgTrack_Mesh, scaleThenPoseAreApplied)
 {
     const MeshFile file(objCube(), ".obj");
@@ -299,8 +338,8 @@ TEST(SurgTrack_Mesh, brokenContentIsReportedByReason)
         { replaced(objCube(), "f 1/1", "f 1/2"), ".obj", "1/2" },
         { replaced(objCube(), "f 1/1", "f x"), ".obj", "x" },
         { replaced(objCube(), "f 1/1", "f 1/1/1"), ".obj", "1/1/1" },
-        { replaced(objCube(), "f 1/1", "f 1"), ".obj", "in the form of the first" },
-        { replaced(objCube(), "f 1/1", "f 1/"), ".obj", "`1/`" },
+        { replaced(objCube(), "f 1/1", "f /1"), ".obj", "`/1`" },
+        { replaced(objCube(), "f 1/1", "f 1/1///"), ".obj", "`1/1///`" },
         { "# nothing\n", ".obj", "at least one triangle" },
         { "", ".ply", "ply" },
         { asciiPLYCube(), ".vtk", ".ply, .stl or .obj" } };

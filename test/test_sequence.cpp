@@ -176,6 +176,38 @@ TEST_F(SurgTrack_Sequence, holdsJointsForOneIntervalBeyondTheRecordsAndNoLonger)
     EXPECT_EQ(0.03, s->lastTime(0));
 }
 
+TEST_F(SurgTrack_Sequence, framesHaveTheirOwnTimes)
+{
+    EXPECT_FALSE(Sequence::load(folder)->hasFrameTimes());
+    EXPECT_EQ(0.4, Sequence::load(folder)->frameTime(10));
+    put("frames.csv", "frame,stamp\n1,100.00\n2,100.04\n4,100.20\n5,100.24\n");
+    const Ptr<Sequence> s = Sequence::load(folder);
+    EXPECT_TRUE(s->hasFrameTimes());
+    EXPECT_NEAR(99.96, s->frameTime(0), 1e-9);    // rounding, also below; 1 / fps before the first
+    EXPECT_NEAR(100.04, s->frameTime(2), 1e-9);
+    EXPECT_NEAR(100.12, s->frameTime(3), 1e-9);   // between
+    EXPECT_NEAR(100.28, s->frameTime(6), 1e-9);
+    put("frames.csv", "frame,stamp\n1,100.00\n2,99\n");
+    expectError("frames.csv", "line 3", "rise");
+}
+
+TEST_F(SurgTrack_Sequence, toolsMayHaveClocksOfTheirOwn)
+{
+    put("sequence.yaml", replaced(DESCRIPTION, "name: \"PSM1\"", "name: \"PSM1\"\n      time_offset: 0.01"));
+    const Ptr<Sequence> s = Sequence::load(folder);
+    EXPECT_EQ(0.01, s->tool(0).timeOffset);
+    EXPECT_EQ(0, s->tool(1).timeOffset);
+    std::vector<double> joints;
+    ASSERT_TRUE(s->jointsAt(0, 0.01, joints));
+    EXPECT_NEAR(3, joints[0], 1e-12);             // rounding: of 0.02 s on the robot's clock
+    EXPECT_NEAR(0.02, s->lastTime(0), 1e-12);
+}
+
+TEST_F(SurgTrack_Sequence, metresAreNotMillimetres)
+{
+    expectDescriptionError("1, 0, 0, 0.2", "1, 0, 0, 200", "camera_T_base");
+}
+
 TEST_F(SurgTrack_Sequence, findsColumnsByName)
 {
     put("kinematics.csv", "jaw,current,tool,time,q1\r\n10,0,PSM1,0,1\r\n20,0,PSM2,0,2\r\n");

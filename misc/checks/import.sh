@@ -55,6 +55,11 @@ run_import() {
     --hand-eye="$lab/hand_eye.yaml" --start=1700000000 --into="$out"
   sample "tracking what was imported" limited "$track" --sequence="$out" --poses="$work/imported.csv" --quiet
   sample "as the original" poses_alike "$work/imported.csv" "$work/poses.csv"
+  sample "no mistake of the setup in it" limited "$track" --sequence="$out" --check
+  cp "$out/sequence.yaml" "$work/right.yaml"
+  sed -i 's/^fps:.*/fps: 30/' "$out/sequence.yaml"
+  sample "refused: another rate than the video's" refuses "fps: 30" "$track" --sequence="$out" --check
+  cp "$work/right.yaml" "$out/sequence.yaml"
   sample "import: URDF" limited "$import" --from=urdf --in="$lab/crane.urdf" --packages="$lab" --out="$out/crane.yaml"
   sample "import: SurgPose" limited "$import" --from=surgpose --in="$lab/rig.ini" --into="$work/rig"
   sample "its two cameras" grep -q right_T_left "$work/rig/sequence.yaml"

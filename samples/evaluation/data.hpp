@@ -62,7 +62,7 @@ struct Data
         label = plainName(sequence->name());
     }
 
-    double time(int frame) const { return frame / sequence->fps(); }
+    double time(int frame) const { return sequence->frameTime(frame); }
 
     //! The joint readings of all tools at a frame.
     void joints(int frame, std::vector<std::vector<double> >& readings) const

@@ -12,6 +12,7 @@
 #include "opencv2/videoio.hpp"
 #include "opencv2/surgtrack.hpp"
 #include "common.hpp"
+#include "video.hpp"
 
 namespace common {
 
@@ -21,10 +22,17 @@ class FrameReader
 public:
     FrameReader(const cv::surgtrack::Sequence& sequence, int start, bool right = false)
         : filename_(right ? sequence.rightVideo() : sequence.leftVideo()),
-          size_((right ? sequence.rightCamera() : sequence.leftCamera()).imageSize()), next_(0), decoded_(0), taken_(0), ended_(false), stop_(false)
+          size_((right ? sequence.rightCamera() : sequence.leftCamera()).imageSize()), next_(0), rate_(0), shift_(0), isShifted_(false),
+          decoded_(0), taken_(0), ended_(false), stop_(false)
     {
         if (!capture_.open(filename_))
             fail(filename_ + ": can't be read as a video");
+        asRecorded(capture_);
+        if (!sequence.hasFrameTimes())
+        {
+            warnOfRate(capture_, filename_, sequence.fps());
+            rate_ = capture_.get(cv::CAP_PROP_FPS) > 0 ? capture_.get(cv::CAP_PROP_FPS) : sequence.fps();
+        }
         count_ = (int)capture_.get(cv::CAP_PROP_FRAME_COUNT);
         while (next_ < start && capture_.grab())   // seeking is not exact in every container
             next_++;
@@ -55,6 +63,7 @@ public:
             if (decoded_ == taken_)
                 return false;
             cv::swap(image, frames_[taken_ % LOOK_AHEAD]);
+            checkStamp(stamps_[taken_ % LOOK_AHEAD]);
             taken_++;
         }
         changed_.notify_all();
@@ -68,8 +77,10 @@ public:
     //! Throws if the video should have gone on.
     void checkEnd(const cv::surgtrack::Sequence& sequence) const
     {
-        if (next_ + 2 < count_)   // the count of some containers is rounded
+        if (next_ + 2 < count_ && isCut(filename_))   // the count of some containers is rounded
             fail(cv::format("%s: ends after %d frames, expected %d as its header says", filename_.c_str(), next_, count_));
+        if (next_ + 2 < count_)
+            std::fprintf(stderr, "note: %s: has %d frames, its header counts %d, as after cutting without coding anew\n", filename_.c_str(), next_, count_);
         if (next_ < sequence.groundTruthEnd())
             fail(cv::format("%s: ends after %d frames, expected %d as in the ground truth", filename_.c_str(), next_, sequence.groundTruthEnd()));
     }
@@ -84,6 +95,22 @@ public:
 
 private:
     enum { LOOK_AHEAD = 2 };
+
+    //! Says so, once, if the video's own time stamps are not those of a constant rate. @param stamp [s]
+    void checkStamp(double stamp)
+    {
+        if (rate_ <= 0 || stamp <= 0)   // not said
+            return;
+        const double late = stamp - next_ / rate_;
+        if (!isShifted_)
+            shift_ = late;    // a clip that was cut begins later
+        isShifted_ = true;
+        if (std::abs(late - shift_) < 1.5 / rate_)
+            return;
+        std::fprintf(stderr, "warning: %s: the time stamps are not k / fps: frame %d is %.3f s off; a variable frame rate, or frames that were left out? "
+                     "frames.csv with the columns frame,stamp says when each was taken\n", filename_.c_str(), next_, late - shift_);
+        rate_ = 0;
+    }
 
     void decode()
     {
@@ -100,6 +127,7 @@ private:
             try
             {
                 found = capture_.read(frame) && !frame.empty();
+                stamps_[decoded_ % LOOK_AHEAD] = 1e-3 * capture_.get(cv::CAP_PROP_POS_MSEC);
             }
             catch (...)
             {
@@ -116,7 +144,10 @@ private:
     cv::String filename_;
     cv::Size size_;
     int next_, count_;
+    double rate_, shift_;   // of the time stamps: frames/s, 0 = they are not looked at; [s]
+    bool isShifted_;
     cv::Mat frames_[LOOK_AHEAD];
+    double stamps_[LOOK_AHEAD];
     int decoded_, taken_;   // since the start
     bool ended_, stop_;
     std::exception_ptr error_;

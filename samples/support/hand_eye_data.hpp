@@ -106,8 +106,7 @@ inline Mat readMatrix(const FileNode& node)
     return m;
 }
 
-/** The camera of a sequence (the left one), or of a file of cv::FileStorage with camera_matrix, distortion_coefficients, image_width and
-image_height, as OpenCV's calibration sample writes it. */
+//! The camera of a sequence (the left one), or of a calibration file of OpenCV or ROS.
 inline CameraModel readCamera(const String& path)
 {
     const String filename = utils::fs::isDirectory(path) ? utils::fs::join(path, "sequence.yaml") : path;
@@ -116,15 +115,16 @@ inline CameraModel readCamera(const String& path)
     {
         file.open(filename, FileStorage::READ);
     }
-    catch (const Exception& e)
+    catch (const Exception&)   // no file of cv::FileStorage: one of ROS, or an error that says what is wrong
     {
-        fail(filename + ": can't be parsed: " + e.err);
+        return importCameraInfo(std::vector<String>(1, filename)).left;
     }
     if (!file.isOpened()) fail(filename + ": can't be read, expected a sequence.yaml or a camera calibration of cv::FileStorage");
-    const bool sequence = file["left"].isMap();
-    const FileNode node = sequence ? file["left"] : file.root();
+    if (!file["left"].isMap())
+        return importOpenCVCameras(std::vector<String>(1, filename)).left;
+    const FileNode node = file["left"];
     const Mat K = readMatrix(node["camera_matrix"]);
-    if (K.empty()) fail(filename + ": key " + (sequence ? "left." : "") + "camera_matrix is missing, expected a 3x3 matrix");
+    if (K.empty()) fail(filename + ": key left.camera_matrix is missing, expected a 3x3 matrix");
     const char* const sizes[] = { "image_width", "image_height" };
     for (int i = 0; i < 2; i++)
         if (!file[sizes[i]].isInt()) fail(filename + ": key " + sizes[i] + " is missing, expected a whole number [pixel]");

@@ -11,8 +11,15 @@
 
 namespace cv { namespace surgtrack {
 
+static bool isNumber(const char* text)
+{
+    char* end = 0;
+    std::strtod(text, &end);
+    return end != text && !*end;
+}
+
 CsvReader::CsvReader(const String& filename)
-    : filename_(filename), file_(filename.c_str(), std::ios::binary), lineNumber_(0)
+    : filename_(filename), file_(filename.c_str(), std::ios::binary), lineNumber_(0), separator_(',')
 {
     if (!file_)
         CV_Error(Error::StsObjectNotFound, format("%s: can't be read: %s", filename.c_str(), std::strerror(errno)));
@@ -20,13 +27,17 @@ CsvReader::CsvReader(const String& filename)
         fail("the file is empty, expected a line with the names of the columns");
     if (line_.compare(0, 3, "\xEF\xBB\xBF") == 0)   // byte order mark, as spreadsheets write it
         line_.erase(0, 3);
+    if (line_.compare(0, 2, "# ") == 0)   // NumPy's savetxt()
+        line_.erase(0, 2);
+    if (line_.find(',') == std::string::npos)
+        separator_ = line_.find(';') != std::string::npos ? ';' : line_.find('\t') != std::string::npos ? '\t' : ',';
     split();
+    if (isNumber(cells_[0]))
+        fail("holds values, expected a header: the names of the columns");
     for (size_t i = 0; i < cells_.size(); i++)
     {
         const String name(cells_[i]);
-        if (name.empty())
-            fail(format("column %d has no name", (int)i + 1));
-        if (find(name) >= 0)
+        if (!name.empty() && find(name) >= 0)   // one without name, as pandas' index, is not asked for
             fail(format("column '%s' is there twice", name.c_str()));
         header_.push_back(name);
     }
@@ -57,6 +68,8 @@ bool CsvReader::next()
     }
     while (line_.empty());
     split();
+    if (cells_.size() == header_.size() + 1 && !*cells_.back())   // a separator at the end of each row
+        cells_.pop_back();
     if (cells_.size() != header_.size())
         fail(format("%d values, expected %d as in the first line", (int)cells_.size(), (int)header_.size()));
     return true;
@@ -78,24 +91,57 @@ bool CsvReader::readLine()
     return true;
 }
 
+//! Takes the quotes off a cell. @return its end, behind the quotes
+char* CsvReader::splitQuoted(char* cell)
+{
+    char* out = cell;
+    for (char* in = cell + 1; *in; in++)
+    {
+        if (*in == '"' && in[1] != '"')
+        {
+            *out = 0;
+            return in + 1;
+        }
+        in += *in == '"';
+        *out++ = *in;
+    }
+    fail("a quote is opened and not closed");
+}
+
 void CsvReader::split()
 {
     cells_.clear();
     char* cell = &line_[0];
     for (;;)
     {
-        char* end = std::strchr(cell, ',');
-        char* last = end ? end : cell + std::strlen(cell);
-        while (*cell == ' ' || *cell == '\t')
+        while (*cell == ' ' || (*cell == '\t' && separator_ != '\t'))
             cell++;
-        while (last > cell && (last[-1] == ' ' || last[-1] == '\t'))
-            last--;
-        *last = 0;
-        cells_.push_back(cell);
+        char* const start = cell;
+        const bool quoted = *cell == '"';
+        if (quoted)
+            cell = splitQuoted(cell);
+        char* end = std::strchr(cell, separator_);
+        if (!quoted)
+        {
+            char* last = end ? end : cell + std::strlen(cell);
+            while (last > cell && (last[-1] == ' ' || last[-1] == '\t'))
+                last--;
+            *last = 0;
+        }
+        cells_.push_back(start);
         if (!end)
             return;
         cell = end + 1;
     }
+}
+
+bool CsvReader::isEmpty(int column) const
+{
+    const char* const nothing[] = { "", "nan", "NaN", "NAN", "NA", "null", "None" };
+    for (size_t i = 0; i < sizeof(nothing) / sizeof(nothing[0]); i++)
+        if (std::strcmp(cells_[column], nothing[i]) == 0)
+            return true;
+    return false;
 }
 
 double CsvReader::number(int column) const
@@ -103,7 +149,8 @@ double CsvReader::number(int column) const
     const char* cell = cells_[column];
     char* end = 0;
     double value = std::strtod(cell, &end);
-    if (*end == '.')   // the program runs in a locale with a decimal comma
+    const bool decimalComma = *end == ',' && separator_ != ',';
+    if (*end == '.' || decimalComma)   // the program, or the file, is of a locale with a decimal comma
     {
         std::string local(cell);
         local.replace(end - cell, 1, std::localeconv()->decimal_point);

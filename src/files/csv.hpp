@@ -11,8 +11,8 @@
 
 namespace cv { namespace surgtrack {
 
-/** Reads a CSV file row by row; columns are found by the names in its first line. Whatever is wrong is a cv::Exception that
-names file and line. A file ends with an end of line: without it its last row was cut, and a cut number still looks like one. */
+/** Reads a CSV file row by row; columns are found by the names in its first line. Cells are separated by commas, or by semicolons or
+tabs if the first line has no comma; what stands in quotes is one cell. Whatever is wrong is a cv::Exception that names file and line. A file ends with an end of line: without it its last row was cut, and a cut number still looks like one. */
 class CsvReader
 {
 public:
@@ -28,6 +28,8 @@ public:
     //! Goes to the next row. @return false at the end of the file
     bool next();
     const char* text(int column) const { return cells_[column]; }
+    //! Nothing, or what programs write for nothing: nan, NA, null.
+    bool isEmpty(int column) const;
     //! The finite number in a cell.
     double number(int column) const;
     //! The frame number, or another count, in a cell.
@@ -39,11 +41,13 @@ public:
 private:
     bool readLine();
     void split();
+    char* splitQuoted(char* cell);
 
     String filename_;
     std::ifstream file_;
     std::string line_;
     int lineNumber_;
+    char separator_;
     std::vector<String> header_;
     std::vector<char*> cells_;   // into line_
 };

@@ -4,23 +4,18 @@
 
 #include "precomp.hpp"
 #include "base/geometry.hpp"
-#include "files/mesh_check.hpp"
+#include "files/mesh_reader.hpp"
 #include "files/mesh_io.hpp"
 #include "model/mesh.hpp"
 
 #include <cctype>
 
-#include <vtkCallbackCommand.h>
 #include <vtkCellArray.h>
 #include <vtkCleanPolyData.h>
-#include <vtkExecutive.h>
 #include <vtkNew.h>
-#include <vtkOBJReader.h>
-#include <vtkPLYReader.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkQuadricDecimation.h>
-#include <vtkSTLReader.h>
 #include <vtkSmartPointer.h>
 #include <vtkTriangleFilter.h>
 
@@ -28,79 +23,40 @@ namespace cv { namespace surgtrack {
 
 namespace {
 
-// With an observer VTK hands over its errors instead of printing them.
-void collectError(vtkObject*, unsigned long, void* errors, void* message)
-{
-    if (((String*)errors)->empty() && message)
-        *(String*)errors = (const char*)message;
-}
-
-vtkSmartPointer<vtkPolyData> runReader(vtkAbstractPolyDataReader* reader, const String& filename, const MeshFileChecker& checker)
-{
-    String errors;
-    vtkNew<vtkCallbackCommand> observer;
-    observer->SetCallback(collectError);
-    observer->SetClientData(&errors);
-    const unsigned long events[] = { vtkCommand::ErrorEvent, vtkCommand::WarningEvent };
-    for (int i = 0; i < 2; ++i)
-    {
-        reader->AddObserver(events[i], observer);
-        reader->GetExecutive()->AddObserver(events[i], observer);
-    }
-    reader->SetFileName(filename.c_str());
-    reader->Update();
-    if (!errors.empty() || reader->GetErrorCode())
-        checker.fail("not readable: " + errors.substr(0, errors.find_last_not_of(" \n") + 1));
-    return reader->GetOutput();
-}
-
 vtkSmartPointer<vtkPolyData> readPolyData(const String& filename)
 {
-    MeshFileChecker checker(filename);
+    MeshFileReader reader(filename);
     const size_t dot = filename.rfind('.');
     String extension = dot == String::npos ? String() : filename.substr(dot + 1);
     for (size_t i = 0; i < extension.size(); ++i)
         extension[i] = (char)std::tolower((uchar)extension[i]);
-
-    vtkSmartPointer<vtkPolyData> data;
     if (extension == "ply")
-    {
-        checker.checkPLY();
-        vtkNew<vtkPLYReader> reader;
-        reader->ReadFromInputStringOn();
-        reader->SetInputString(checker.content() + "\n");   // a text that ends without a line feed crashes it
-        data = runReader(reader, filename, checker);
-    }
+        reader.readPLY();
     else if (extension == "stl")
-    {
-        checker.checkSTL();
-        vtkNew<vtkSTLReader> reader;
-        reader->MergingOff();
-        data = runReader(reader, filename, checker);
-    }
+        reader.readSTL();
     else if (extension == "obj")
-    {
-        checker.checkOBJ();
-        data = runReader(vtkNew<vtkOBJReader>(), filename, checker);
-    }
+        reader.readOBJ();
     else
-        checker.fail("expected a file name ending in .ply, .stl or .obj");
-    checker.checkCounts(data->GetNumberOfPoints(), data->GetNumberOfPolys());
+        reader.fail("expected a file name ending in .ply, .stl or .obj");
 
-    for (vtkIdType i = 0; i < data->GetNumberOfPoints(); ++i)
+    vtkNew<vtkPoints> points;
+    for (size_t i = 0; i < reader.points().size(); ++i)
     {
-        double p[3];
-        data->GetPoint(i, p);
-        if (!(std::abs(p[0]) + std::abs(p[1]) + std::abs(p[2]) < DBL_MAX))
-            checker.fail(format("expected finite numbers, vertex %lld is not", (long long)i));
+        const Point3d& p = reader.points()[i];
+        if (!(std::abs(p.x) + std::abs(p.y) + std::abs(p.z) < DBL_MAX))
+            reader.fail(format("expected finite numbers, vertex %d is not", (int)i));
+        points->InsertNextPoint(p.x, p.y, p.z);
     }
-    vtkIdType n;
-    const vtkIdType* ids;
-    vtkCellArray* polys = data->GetPolys();
-    for (polys->InitTraversal(); polys->GetNextCell(n, ids); )
-        for (vtkIdType k = 0; k < n; ++k)
-            if (ids[k] < 0 || ids[k] >= data->GetNumberOfPoints())
-                checker.fail(format("a face names vertex %lld of %lld", (long long)ids[k], (long long)data->GetNumberOfPoints()));
+    vtkNew<vtkCellArray> polys;
+    for (size_t at = 0; at < reader.faces().size(); at += reader.faces()[at] + 1)
+    {
+        polys->InsertNextCell(reader.faces()[at]);
+        for (int k = 1; k <= reader.faces()[at]; ++k)
+            polys->InsertCellPoint(reader.faces()[at + k]);
+    }
+    vtkSmartPointer<vtkPolyData> data = vtkSmartPointer<vtkPolyData>::New();
+    data->SetPoints(points);
+    data->SetPolys(polys);
     return data;
 }
 

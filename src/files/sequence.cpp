@@ -32,7 +32,9 @@ CameraModel readCamera(const NodeReader& node, Size imageSize)
     if (K.rows != 3 || K.cols != 3)
         matrix.expected("a 3x3 matrix");
     const char* expected = "a matrix of 0, 4, 5, 8 or 12 numbers";
-    const Mat distortion = coefficients.matrix(expected);
+    Mat distortion = coefficients.matrix(expected).clone();
+    if (distortion.total() == 14 && countNonZero(distortion.reshape(1, 14).rowRange(12, 14)) == 0)   // as cv::calibrateCamera() may write it
+        distortion = distortion.reshape(1, 14).rowRange(0, 12).clone();
     const size_t n = distortion.total();
     if ((n != 0 && n != 4 && n != 5 && n != 8 && n != 12) || (n != 0 && distortion.rows != 1 && distortion.cols != 1))
         coefficients.expected(expected);
@@ -44,6 +46,15 @@ CameraModel readCamera(const NodeReader& node, Size imageSize)
     {
         node.fail(e.err);
     }
+}
+
+Matx44d near(const NodeReader& node)
+{
+    const Matx44d T = node.rigid();
+    const double distance = norm(Vec3d(T(0, 3), T(1, 3), T(2, 3)));
+    if (distance > farthest)
+        node.expected(format("metres, not millimetres: it is %.4g m away", distance));
+    return T;
 }
 
 //! The columns of a pose: translation [m], unit quaternion.
@@ -70,7 +81,7 @@ struct PoseColumns
 
 } // namespace
 
-SequenceTool::SequenceTool() : nominal_T_base(Matx44d::eye()) {}
+SequenceTool::SequenceTool() : nominal_T_base(Matx44d::eye()), timeOffset(0) {}
 
 TrueKeypoint::TrueKeypoint() : visible(false) {}
 
@@ -111,7 +122,11 @@ void Sequence::readDescription(const String& filename, bool recorded)
 
     name_ = root.has("name") ? root["name"].text() : utils::fs::canonical(besideFile(filename, "."));
     name_ = name_.substr(name_.find_last_of("/\\") + 1);
-    fps_ = root["fps"].number();
+    const NodeReader frames = root["frames"];
+    if (recorded)
+        readFrames(frames.isThere() ? frames.path(table) : besideFile(filename, "frames.csv"));
+    if (frames_.empty() || root.has("fps"))
+        fps_ = root["fps"].number();
     if (fps_ <= 0)
         root["fps"].expected("a number larger than 0 [frames/s]");
     const Size size(root["image_width"].count("a whole number larger than 0 [pixel]"),
@@ -124,7 +139,7 @@ void Sequence::readDescription(const String& filename, bool recorded)
         right_ = readCamera(right, size);
         if (recorded || right.has("video"))
             rightVideo_ = right["video"].path(video);
-        right_T_left_ = root["right_T_left"].rigid();
+        right_T_left_ = near(root["right_T_left"]);
     }
     kinematicsFile_ = kinematics.isThere() ? kinematics.path(table) : besideFile(filename, "kinematics.csv");
     groundTruthFile_ = truth.isThere() ? truth.path(table) : besideFile(filename, "groundtruth.csv");
@@ -145,7 +160,9 @@ void Sequence::readDescription(const String& filename, bool recorded)
         if (tool.name.find_first_of(",\"\r\n") != String::npos)
             name.expected("a name without comma, quote and line break");
         tool.model = tools[i]["model"].path("the path of a tool file");
-        tool.nominal_T_base = tools[i]["camera_T_base"].rigid();
+        tool.nominal_T_base = near(tools[i]["camera_T_base"]);
+        if (tools[i].has("time_offset"))
+            tool.timeOffset = tools[i]["time_offset"].number();
         tools_.push_back(tool);
     }
 }
@@ -250,12 +267,13 @@ const Sequence::JointRecords& Sequence::records(int tool) const
     return records_[tool];
 }
 
-double Sequence::firstTime(int tool) const { return records(tool).times.front(); }
-double Sequence::lastTime(int tool) const { return records(tool).times.back(); }
+double Sequence::firstTime(int tool) const { return records(tool).times.front() - tools_[tool].timeOffset; }
+double Sequence::lastTime(int tool) const { return records(tool).times.back() - tools_[tool].timeOffset; }
 
 bool Sequence::jointsAt(int tool, double time, std::vector<double>& joints, const std::vector<String>& coordinates) const
 {
     const std::vector<double>& times = records(tool).times;
+    time += tools_[tool].timeOffset;
     const double interval = times.size() > 1 ? (times.back() - times.front()) / (times.size() - 1) : 0;
     const double slack = interval * (1 + 1e-6);   // times are rounded in the file
     if (!(time >= times.front() - slack && time <= times.back() + slack))

@@ -18,7 +18,9 @@ void importError(const String& filename, const String& what, int code)
     CV_Error(code, filename + ": " + what);
 }
 
-String readTextFile(const String& filename)
+static const char* const byteOrderMark = "\xEF\xBB\xBF";
+
+static String readWhole(const String& filename)
 {
     std::ifstream file;
     if (!utils::fs::isDirectory(filename))
@@ -28,6 +30,12 @@ String readTextFile(const String& filename)
     if (!there || !(content << file.rdbuf()))
         importError(filename, "expected a text file that can be read and is not empty", there ? Error::StsParseError : Error::StsObjectNotFound);
     return content.str();
+}
+
+String readTextFile(const String& filename)
+{
+    const String text = readWhole(filename);
+    return text.compare(0, 3, byteOrderMark) == 0 ? text.substr(3) : text;
 }
 
 void writeText(const String& filename, const String& text)
@@ -64,7 +72,19 @@ void writeAtOnce(const String& filename, const String& text)
     CV_Error(Error::StsError, format("%s: can't be written: %s", filename.c_str(), reason.c_str()));
 }
 
-static FileStorage openAs(const String& filename, const String& source, int flags, const char* expected)
+//! What cv::FileStorage says of the text it can't take, and of which line. @param added lines before the file's own
+static String reasonOf(const Exception& e, int added)
+{
+    // `FILE(LINE): REASON`, which OpenCV 4 hands over in the place of the function's name.
+    const std::regex place("^[^]*\\(([0-9]+)\\): *([^]*)$");
+    std::smatch found;
+    if (!std::regex_match(e.func, found, place) && !std::regex_match(e.err, found, place))
+        return " (" + e.err + ")";
+    const String reason = found[2].str();
+    return format(" (line %d: ", std::max(1, std::atoi(found[1].str().c_str()) - added)) + reason + ")";
+}
+
+static FileStorage openAs(const String& filename, const String& source, int flags, const char* expected, int added = 0)
 {
     FileStorage storage;
     String reason;
@@ -74,7 +94,7 @@ static FileStorage openAs(const String& filename, const String& source, int flag
     }
     catch (const Exception& e)
     {
-        reason = " (" + e.err + ")";
+        reason = reasonOf(e, added);
     }
     if (!storage.isOpened() || !storage.root().isMap())
         importError(filename, String("expected ") + expected + reason);
@@ -85,7 +105,9 @@ static const char* const ofStorage = "a YAML, XML or JSON file of cv::FileStorag
 
 FileStorage openStorage(const String& filename)
 {
-    readTextFile(filename);   // for the error of a file that is not there
+    const String text = readWhole(filename);
+    if (text.compare(0, 3, byteOrderMark) == 0)
+        return parseStorage(filename, text.substr(3));
     return openAs(filename, filename, FileStorage::READ, ofStorage);
 }
 
@@ -94,23 +116,45 @@ FileStorage parseStorage(const String& filename, const String& text)
     return openAs(filename, text, FileStorage::READ | FileStorage::MEMORY, ofStorage);
 }
 
+//! Puts commas between the numbers of lists that have none. @param depth of brackets, carried from line to line
+static String withCommas(const String& line, int& depth)
+{
+    const String ofNumber = "0123456789.", startsNumber = "0123456789.+-[";
+    String result;
+    for (size_t i = 0; i < line.size(); i++)
+    {
+        depth += line[i] == '[' ? 1 : line[i] == ']' ? -1 : 0;
+        result += line[i];
+        const size_t next = line.find_first_not_of(' ', i + 1);
+        const bool ends = ofNumber.find(line[i]) != String::npos || (line[i] == ']' && depth > 0);
+        if (depth > 0 && ends && next != String::npos && next > i + 1 && startsNumber.find(line[next]) != String::npos)
+            result += ',';
+    }
+    return result;
+}
+
 FileStorage openYaml(const String& filename)
 {
     const std::regex numberKey("(^|[{,]) *['\"]?([0-9]+)['\"]? *:(?= |$)"), notForStorage("[ \r]+$|!!python/tuple");
     std::istringstream lines(readTextFile(filename));
     String text = "%YAML:1.0\n---\n", line;
-    while (std::getline(lines, line))
+    int depth = 0;
+    for (bool begun = false; std::getline(lines, line); )
     {
-        line = std::regex_replace(line, notForStorage, "");
+        line = withCommas(std::regex_replace(line, notForStorage, ""), depth);
         const size_t start = line.find_first_not_of(" ");
-        if (start == String::npos || line[0] == '%' || line.compare(0, 3, "---") == 0 || line.compare(0, 3, "...") == 0)
-            continue;
-        if (line.compare(start, 2, "- ") == 0)
+        const bool document = line.compare(0, 3, "---") == 0 || line.compare(0, 3, "...") == 0;
+        if (document && begun)
+            break;   // the first message of several
+        if (start == String::npos || line[0] == '%' || document)
+            text += "\n";   // so that lines keep their numbers
+        else if (line.compare(start, 2, "- ") == 0)
             text += " " + line + "\n";
         else
             text += line.substr(0, start) + std::regex_replace(line.substr(start), numberKey, "$1n$2:") + "\n";
+        begun = begun || (start != String::npos && !document && line[0] != '%' && line[start] != '#');
     }
-    return openAs(filename, text, FileStorage::READ | FileStorage::MEMORY, "YAML");
+    return openAs(filename, text, FileStorage::READ | FileStorage::MEMORY, "YAML", 2);
 }
 
 std::pair<String, String> splitPair(const String& text, const char* what)

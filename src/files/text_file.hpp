@@ -14,7 +14,7 @@ namespace cv { namespace surgtrack {
 
 CV_NORETURN void importError(const String& filename, const String& what, int code = Error::StsParseError);
 
-//! The content of a text file. @throws cv::Exception naming it
+//! The content of a text file, without byte order mark. @throws cv::Exception naming it
 String readTextFile(const String& filename);
 
 //! @throws cv::Exception naming the file if it can't be written as a whole
@@ -30,7 +30,7 @@ FileStorage openStorage(const String& filename);
 FileStorage parseStorage(const String& filename, const String& text);
 
 /** YAML as ROS and PyYAML write it: without the line `%YAML:1.0`, lists not indented, and keys that are numbers. To such keys the
-prefix `n` is added. */
+prefix `n` is added. Of several documents the first; numbers of a list may be without commas. */
 FileStorage openYaml(const String& filename);
 
 //! Splits `LABEL:VALUE`. @param what of the argument, for the error

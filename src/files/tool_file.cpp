@@ -101,6 +101,18 @@ std::vector<int> parentsFirst(const std::vector<NodeReader>& nodes, const std::v
     return order;
 }
 
+double longestSide(const Mesh& mesh)
+{
+    Point3f low = mesh.vertices[0], high = low;
+    for (size_t i = 0; i < mesh.vertices.size(); ++i)
+    {
+        const Point3f& v = mesh.vertices[i];
+        low = Point3f(std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z));
+        high = Point3f(std::max(high.x, v.x), std::max(high.y, v.y), std::max(high.z, v.z));
+    }
+    return std::max(high.x - low.x, std::max(high.y - low.y, high.z - low.z));
+}
+
 /* Meshes of all links, decimated together. */
 void parseMeshes(const std::vector<NodeReader>& nodes, const std::vector<int>& order, double scale, int maxTriangles,
                  ToolModel::Description& tool)
@@ -129,6 +141,9 @@ void parseMeshes(const std::vector<NodeReader>& nodes, const std::vector<int>& o
         {
             meshNodes[i].fail(e.err, e.code);
         }
+        const double length = longestSide(tool.meshes[i]);
+        if (length > 10)   // [m]; in millimetres most are
+            meshNodes[i].fail(format("it is %.4g m long, expected metres: is mesh_scale right, 0.001 for a file in millimetres?", length));
     }
     if (maxTriangles)
         decimateMeshes(tool.meshes, maxTriangles);

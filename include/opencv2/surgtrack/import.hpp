@@ -24,7 +24,8 @@ struct CV_EXPORTS_W_SIMPLE ToolParts
     Of a dVRK tool it also gives the names of links and coordinates, joint for joint; links of an URDF are found by their names. */
     CV_PROP_RW String like;
 
-    //! `LINK:FILE` each: mesh files (PLY, STL or OBJ) of links; they replace those of the file imported, or of `like`.
+    //! `LINK:FILE` each: mesh files (PLY, STL or OBJ) of links; they replace those of the file imported, or of `like`,
+    //! which are not read. `LINK:none`: that link has no mesh.
     CV_PROP_RW std::vector<String> meshes;
 
     CV_PROP_RW double meshScale;        //!< of the files in `meshes`: metres per unit; 1 = metres, 0.001 = millimetres
@@ -53,7 +54,7 @@ The end effector has the rotation of `tooltip_offset`. Its origin is that of `to
 and ToolParts::like is given, it is where that tool has it.
 
 @param files the kinematic files in the order of the joints: the arm's (PSM.json), the instrument's (LARGE_NEEDLE_DRIVER_400006.json);
-or one old file with all
+or one old file with all. Joints of mode `passive` do not move
 @param parts meshes and keypoints; without any the tool has kinematics only
 @throws cv::Exception (StsNotImplemented) if the module was built without nlohmann_json */
 CV_EXPORTS_W Ptr<ToolModel> importDvrkTool(const std::vector<String>& files, const ToolParts& parts = ToolParts());
@@ -62,7 +63,8 @@ CV_EXPORTS_W Ptr<ToolModel> importDvrkTool(const std::vector<String>& files, con
 
 Joints that turn or slide become coordinates of the same name; joints that mimic share the coordinate of the joint they follow. A
 joint in a general place takes up to four links of modified Denavit-Hartenberg transforms; the last has the name of the URDF's link.
-The visuals of a link that are meshes are read, with their scale and origin; those of the base are not, it does not move with the tool.
+Coordinates come in the order of the joints on the way to the end effector, from the base on, then the others as in the file.
+The visuals of a link are read, with their scale and origin: meshes, cylinders, spheres and boxes; those of the base are not, it does not move with the tool.
 Rotations by quarter turns about the axes whose angles were rounded (1.5708, 1.570796327) are made exact.
 
 @param filename the URDF
@@ -70,15 +72,17 @@ Rotations by quarter turns about the axes whose angles were rounded (1.5708, 1.5
 @throws cv::Exception (StsNotImplemented) if the module was built without urdfdom */
 CV_EXPORTS_W Ptr<ToolModel> importUrdfTool(const String& filename, const ToolParts& parts = ToolParts());
 
-/** @brief Cameras from ROS calibration files (`camera_info` YAML, as camera_calibration writes them).
+/** @brief Cameras from ROS calibration files (`camera_info` YAML, as camera_calibration writes them), or CameraInfo messages as `ros2 topic
+echo` prints them. Without a region of interest images are of the whole sensor.
 @param files the left camera's, or left and right of a stereo pair (its baseline is in the `projection_matrix`, in metres)
-@throws cv::Exception for distortion models other than plumb_bob and rational_polynomial */
+@throws cv::Exception for distortion models other than plumb_bob and rational_polynomial, and cameras more than 0.5 m apart */
 CV_EXPORTS_W CameraPair importCameraInfo(const std::vector<String>& files);
 
 /** @brief Cameras from files of cv::FileStorage.
 
 Keys are those of OpenCV's samples and common elsewhere: `M1, D1, M2, D2, R, T` (intrinsics.yml and extrinsics.yml),
-`cameraMatrix1, distCoeffs1, ...`, `camera_matrix, distortion_coefficients`.
+`cameraMatrix1, distCoeffs1, ...`, `camera_matrix, distortion_coefficients` (`Camera_Matrix, Distortion_Coefficients`). Calibrations of
+fisheye lenses are refused.
 
 @param files one or several, taken together
 @param unit metres per unit of T (0.001 for a board measured in millimetres); needed with two eyes, as files do not say it
@@ -88,20 +92,37 @@ CV_EXPORTS_W CameraPair importOpenCVCameras(const std::vector<String>& files, do
 /** @brief Cameras from SurgPose's StereoCalibrationDVRK.ini: `kc_0, kc_1, kc_4` radial, `kc_2, kc_3` tangential; T in millimetres. */
 CV_EXPORTS_W CameraPair importSurgPoseCameras(const String& filename);
 
+/** @brief A hand-eye calibration from a file of others.
+@param filename of cv::FileStorage, plain YAML or JSON: `camera_T_base`; the dVRK's `...-registration-open-cv.json`: `base-frame.transform`;
+or a text of three or four lines of four numbers
+@return camera_T_base [m] */
+CV_EXPORTS_W Matx44d importHandEye(const String& filename);
+
 /** @brief Joint readings from CSV files of dVRK or ROS recordings.
 
-The time is the column `time`, `timestamp`, `stamp` or one ending in `header.stamp`, `__time`, `%time`, or the pair `...secs` and
-`...nsecs` (`...sec`, `...nanosec`); seconds or nanoseconds, told by the rate, which must lie between 2 Hz and 5 kHz. Joints are the columns of
-the coordinate's name, of the dVRK's (`yaw` or `outer_yaw` for q1, ... `jaw`), perhaps followed by `position`; or, in a file with
-none of these, `...position0`, `...position[1]`, ..., in the order of the coordinates, going on from file to file.
+The time is the column `...header.stamp`, `...stamp`, `time` (`Time`, `time_ms`, `time [ns]`), `__time`, `%time` or `t`, or the pair `...secs`
+and `...nsecs` (`...sec`, `...nanosec`); the first of these in which the time does not stand still. Seconds or nanoseconds are told by the
+rate, which must lie between 2 Hz and 5 kHz, if the name has no unit. Joints are the columns of the coordinate's name, of the dVRK's
+(`yaw` or `outer_yaw` for q1, ... `jaw`), perhaps followed by `position`; those whose names stand in the rows (`name0` of `position0`, or
+lists `name` and `position`); or, in a file with none of these, `...position0`, `...position[1]`, ..., in the order of the coordinates,
+going on from file to file. A cell that is empty or `nan` has no reading: each joint is interpolated over those it has.
 
 @param files the arm's, and if the jaw was recorded apart, the jaw's: interpolated to the times of the first
 @param coordinates names, as ToolModel::coordinateNames()
 @param times of the readings, on the recording's own clock [s]
 @param joints N x C CV_64F, a row a time [rad or m]
-@param columns the column of each coordinate, if the names are others; empty: as above */
+@param columns the column of each coordinate, if the names are others; empty: as above
+@throws cv::Exception too if a joint of the dVRK slides further than 10 m or turns more than twice: other units */
 CV_EXPORTS_W void importJoints(const std::vector<String>& files, const std::vector<String>& coordinates, CV_OUT std::vector<double>& times,
                                OutputArray joints, const std::vector<String>& columns = std::vector<String>());
+
+/** @brief Joint values of SurgPose (api_jp_data.yaml): of each frame, from 0 on, six of each arm.
+@param filename the YAML
+@param arm `PSM1` or `PSM3`
+@param coordinates of the tool, 7
+@param jaw the last one, which the recording has not [rad]
+@param joints N x coordinates CV_64F, a row a frame [rad or m] */
+CV_EXPORTS_W void importSurgPoseJoints(const String& filename, const String& arm, int coordinates, double jaw, OutputArray joints);
 
 /** @brief Joint values from the poses recorded by the authors of @cite ye2016realtime (`sim-PSM1-....xml` of daVinciToolTrack, millimetres).
 
@@ -122,7 +143,7 @@ CV_EXPORTS_W void importDaVinciJoints(const String& filename, const Ptr<ToolMode
 CV_EXPORTS_W Matx44d importDaVinciHandEye(const String& filename, const String& key);
 
 /** @brief Writes keypoints.csv from the labels of the EndoVis 2015 challenge (JSON: a list of images).
-@param labels the JSON; entry k is frame k
+@param labels the JSON; the frame is the number in an entry's `filename`, counted from that of the first entry; without numbers entry k is frame k
 @param csv the file to write
 @param keypoints `CLASS:NAME` each: label classes to write and the names of the tool's keypoints they are; empty: all, by their class
 @param tools `ID:NAME` each, the same for tools

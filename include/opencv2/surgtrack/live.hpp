@@ -78,7 +78,8 @@ public:
 
     /** @brief Takes in a reading.
 
-    Positions go to the coordinates of their names; a name that is none is passed over. Without names, or if none of them is a
+    Positions go to the coordinates of their names, or of those the dVRK has for q1 to q6 (yaw, pitch, insertion, roll, wrist_pitch,
+    wrist_yaw, with or without `outer_`); a name that is none is passed over. Without names, or if none of them is a
     coordinate, positions are in the order of the coordinates: all of them, or all but the last one, the jaw.
 
     A reading older than the history, counted from the newest one, is not kept. If that happens 50 times in succession the robot's

@@ -22,6 +22,7 @@ struct CV_EXPORTS_W_SIMPLE SequenceTool
     CV_PROP String name;                //!< as in the CSV files
     CV_PROP String model;               //!< path of the tool file
     CV_PROP Matx44d nominal_T_base;     //!< the calibrated, wrong, hand-eye: the key camera_T_base of the file
+    CV_PROP double timeOffset;          //!< the joints of the image of time t were recorded at t + timeOffset: the key time_offset, else 0 [s]
 };
 
 /** @brief Where a keypoint of a tool truly is in a frame. */
@@ -35,7 +36,7 @@ struct CV_EXPORTS_W_SIMPLE TrueKeypoint
 };
 
 /** @brief A recorded sequence: a folder with sequence.yaml, video, kinematics.csv and, where known, groundtruth.csv and keypoints.csv.
-The format is described in doc/formats.md. Frame k is at time k / fps. Keys and columns that are not known are ignored. */
+The format is described in doc/formats.md. Frame k is at time k / fps, or where frames.csv has it. Keys and columns that are not known are ignored. */
 class CV_EXPORTS_W Sequence
 {
 public:
@@ -50,6 +51,11 @@ public:
     CV_WRAP String name() const { return name_; }
     /** @brief Frames a second. */
     CV_WRAP double fps() const { return fps_; }
+    /** @brief Time of a frame: its stamp in frames.csv, interpolated between and 1 / fps apart beyond those it has; without that file
+    frame / fps [s]. @param frame number, from 0 on */
+    CV_WRAP double frameTime(int frame) const;
+    /** @brief Whether there is a frames.csv. */
+    CV_WRAP bool hasFrameTimes() const { return !frames_.empty(); }
     /** @brief The left camera, or the only one. */
     CV_WRAP CameraModel leftCamera() const { return left_; }
     /** @brief The right camera; of size 0 x 0 if there is one camera. */
@@ -69,7 +75,7 @@ public:
 
     /** @brief Joint readings at a time, linearly interpolated between the two nearest records.
     @param tool index
-    @param time [s]
+    @param time of the image [s]; SequenceTool::timeOffset is added
     @param joints one value per wanted coordinate [rad or m]
     @param coordinates the coordinates wanted, as ToolModel::coordinateNames(); empty = all of jointNames()
     @return false if the time lies outside the records (by more than one sampling interval); joints is then unchanged
@@ -80,9 +86,9 @@ public:
     /** @brief Names of the joint columns of kinematics.csv: all but `time` and `tool`. */
     CV_WRAP std::vector<String> jointNames() const { return jointNames_; }
 
-    /** @brief Time of a tool's first joint reading [s]. */
+    /** @brief Time of a tool's first joint reading, on the images' clock [s]. */
     CV_WRAP double firstTime(int tool) const;
-    /** @brief Time of a tool's last joint reading [s]. */
+    /** @brief Time of a tool's last joint reading, on the images' clock [s]. */
     CV_WRAP double lastTime(int tool) const;
 
     /** @brief Path of kinematics.csv. */
@@ -121,6 +127,7 @@ private:
 
     Sequence();
     void readDescription(const String& filename, bool recorded);
+    void readFrames(const String& filename);
     void readKinematics();
     void readGroundTruth();
     void readKeypoints() const;
@@ -128,6 +135,8 @@ private:
 
     String name_, leftVideo_, rightVideo_, kinematicsFile_, groundTruthFile_, keypointsFile_;
     double fps_;
+    std::vector<int> frames_;           // of frames.csv, with
+    std::vector<double> stamps_;        // their times [s]
     CameraModel left_, right_;
     Matx44d right_T_left_;
     std::vector<SequenceTool> tools_;

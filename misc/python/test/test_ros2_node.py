@@ -78,9 +78,17 @@ class RosNodeTest(unittest.TestCase):
         self.assertEqual(tuple(camera.imageSize()), (720, 576))
         self.assertFalse(read(self.camera_info(distortion_model='', d=[])).hasDistortion())
         for fields, what in ((dict(k=[0.] * 9), 'calibrated'), (dict(distortion_model='equidistant'), "'equidistant'"),
-                             (dict(d=[0.1] * 4), '4 numbers, expected 5'), (dict(binning_x=2), 'binning')):
+                             (dict(d=[0.1] * 6), '6 numbers, expected 4, 5'), (dict(d=[0.1] * 8), 'zeros behind the first 5'), (dict(binning_x=2), 'binning')):
             with self.assertRaisesRegex(ValueError, what):
                 read(self.camera_info(**fields))
+
+    def test_cameras_of_other_drivers(self):
+        read = self.ros.camera_from_message
+        self.assertEqual(read(self.camera_info(d=[-0.2, 0.1, 0.001, 0.002])).distCoeffs().ravel()[4], 0)
+        rational = read(self.camera_info(distortion_model='rational_polynomial', d=[0.01 * i for i in range(8)] + [0.] * 6))
+        self.assertEqual(rational.distCoeffs().ravel()[7], 0.07)
+        roi = read(self.camera_info(roi=message(x_offset=60, y_offset=38, width=500, height=400)))
+        self.assertEqual((tuple(roi.imageSize()), roi.cameraMatrix()[0, 2], roi.cameraMatrix()[1, 2]), ((500, 400), 300, 250))
 
     def test_covariance_is_in_the_order_of_ros(self):
         # Of a deviation (rotation, translation), twice: ours and ROS's are the covariance of the same one.

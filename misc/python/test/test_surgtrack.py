@@ -27,6 +27,20 @@ def rigid(rotation_vector, translation):
 
 class surgtrack_test(NewOpenCVTests):
 
+    def test_an_error_has_its_own_text(self):
+        camera = st.CameraModel(np.array([[800, 0, 360], [0, 800, 288], [0, 0, 1.]]), np.zeros(5), (720, 576))
+        tracker = st.ToolTracker.create(camera)
+        calls = [lambda: tracker.addTool(st.ToolModel.needleDriver(), np.eye(4)[:3]),
+                 lambda: tracker.update(np.zeros((576, 720, 3), np.uint8), 0., [np.zeros(7)])]
+        texts = []
+        for call in (calls[0], calls[1], calls[0]):
+            with self.assertRaises(cv.error) as raised:
+                call()
+            texts.append(raised.exception.err)
+        self.assertEqual(texts[0], texts[2])
+        self.assertIn('nominal_T_base', texts[0])
+        self.assertIn('addTool', texts[1])
+
     def setUp(self):
         super(surgtrack_test, self).setUp()
         self.folder = tempfile.mkdtemp()

@@ -5,6 +5,7 @@
 #include "precomp.hpp"
 #include <sstream>
 #include "base/calib.hpp"
+#include "files/joint_names.hpp"
 #include "lab/import/import_tool.hpp"
 
 // Cameras from the calibration files of others.
@@ -47,7 +48,19 @@ Matx44d makeTransform(const String& filename, const Mat& rotation, const Mat& tr
     return nearestRigid(T);
 }
 
-//! A camera_info file.
+//! Eyes that are too far apart, or exchanged.
+void checkBaseline(const String& filename, const String& key, const Matx44d& right_T_left)
+{
+    const Vec3d t(right_T_left(0, 3), right_T_left(1, 3), right_T_left(2, 3));
+    const double distance = norm(t);
+    if (distance > 0.5 || distance < 1e-4)
+        importError(filename, key + format(": the cameras are %g m apart, those of an endoscope some millimetres: %s", distance,
+                                           distance > 0.5 ? "expected metres; millimetres?" : "is the unit right?"));
+    if (t[0] > 0.5 * distance)
+        importError(filename, key + ": the right camera stands to the left of the left one: expected x of T below 0; are the eyes exchanged?");
+}
+
+//! A calibration file of ROS, or a CameraInfo message as `echo` prints it.
 class CameraInfo
 {
 public:
@@ -55,33 +68,105 @@ public:
 
     CameraModel camera() const
     {
-        const FileNode node = storage_["distortion_model"];
-        const String model = node.isString() ? (String)node : String();
-        if (model != "plumb_bob" && model != "rational_polynomial")
-            importError(filename_, "key distortion_model: expected plumb_bob or rational_polynomial, found `" + model + "`");
-        return makeCamera(filename_, matrix("camera_matrix", 3, 3), matrix("distortion_coefficients", 1, model == "plumb_bob" ? 5 : 8),
-                          Size(pixels("image_width"), pixels("image_height")));
+        String key;
+        const Mat D = distortion(find("distortion_coefficients D d", key), key);
+        Mat K = matrix("camera_matrix K k", 3, 3).clone();
+        Size size(pixels("image_width width"), pixels("image_height height"));
+        if (number("binning_x") > 1 || number("binning_y") > 1)
+            importError(filename_, "key binning_x: expected a camera without binning, or one calibrated with it");
+        // K is of the whole sensor, the images are of a part of it.
+        if (number("roi", "width") > 0 && number("roi", "height") > 0)
+        {
+            K.at<double>(0, 2) -= number("roi", "x_offset");
+            K.at<double>(1, 2) -= number("roi", "y_offset");
+            size = Size(cvRound(number("roi", "width")), cvRound(number("roi", "height")));
+        }
+        return makeCamera(filename_, K, D, size);
     }
 
-    Mat matrix(const char* key, int rows, int cols) const
+    //! @param keys names of the same in files and messages, separated by spaces
+    Mat matrix(const String& keys, int rows, int cols) const
     {
-        const FileNode node = storage_[key], data = node.isMap() ? node["data"] : node;
-        Mat_<double> m;
-        for (FileNodeIterator it = data.begin(); data.isSeq() && it != data.end(); ++it)
-            m.push_back((*it).isInt() || (*it).isReal() ? (double)*it : DBL_MAX);
+        String key;
+        const Mat m = numbers(find(keys, key));
         if ((int)m.total() != rows * cols || !checkRange(m, true, 0, -1e300, 1e300))
-            importError(filename_, format("key %s: expected `data` with %d finite numbers", key, rows * cols));
+            importError(filename_, format("key %s: expected `data` with %d finite numbers", key.c_str(), rows * cols));
         return m.reshape(1, rows);
     }
 
     String name() const { return filename_; }
 
 private:
-    int pixels(const char* key) const
+    //! @param key the first name if there is none
+    FileNode find(const String& keys, String& key) const
     {
-        const FileNode node = storage_[key];
+        std::istringstream words(keys);
+        for (String word; words >> word; )
+        {
+            if (key.empty() || !storage_[word].empty())
+                key = word;
+            if (!storage_[word].empty())
+                break;
+        }
+        return storage_[key];
+    }
+
+    static void append(const FileNode& node, Mat_<double>& m)
+    {
+        for (FileNodeIterator it = node.begin(); node.isSeq() && it != node.end(); ++it)
+            if ((*it).isSeq())
+                append(*it, m);
+            else
+                m.push_back((*it).isInt() || (*it).isReal() ? (double)*it : DBL_MAX);
+    }
+
+    static Mat numbers(const FileNode& node)
+    {
+        Mat_<double> m;
+        append(node.isMap() ? node["data"] : node, m);
+        return m;
+    }
+
+    String model() const
+    {
+        const char* const keys[] = { "distortion_model", "camera_model" };
+        for (int i = 0; i < 2; i++)
+            if (storage_[keys[i]].isString() && (String)storage_[keys[i]] != "pinhole")
+                return (String)storage_[keys[i]];
+        return String();
+    }
+
+    //! k1, k2, p1, p2, then k3 or none, k4 to k6, s1 to s4; what follows has to be 0
+    Mat distortion(const FileNode& node, const String& key) const
+    {
+        const String name = model();
+        const bool plumbBob = name == "plumb_bob" || name == "radtan";
+        if (!name.empty() && !plumbBob && name != "rational_polynomial")
+            importError(filename_, "key distortion_model: expected plumb_bob or rational_polynomial, found `" + name
+                        + "`; lenses of other models, such as fisheyes, are not supported");
+        Mat D = numbers(node);
+        const int n = (int)D.total(), most = plumbBob ? 5 : 12;
+        if ((n != 4 && n != 5 && n != 8 && n != 12 && n != 14) || !checkRange(D, true, 0, -1e300, 1e300))
+            importError(filename_, "key " + key + ": expected `data` with 4, 5, 8, 12 or 14 finite numbers");
+        if (name.empty() && n == 4)
+            importError(filename_, "key distortion_model: missing, four coefficients may be those of a fisheye: expected plumb_bob");
+        if (n > most && countNonZero(D.rowRange(most, n)) > 0)
+            importError(filename_, format("key %s: expected zeros behind the first %d numbers", key.c_str(), most));
+        return n > most ? D.rowRange(0, most).clone() : D;
+    }
+
+    double number(const char* key, const char* inside = 0) const
+    {
+        const FileNode node = inside && storage_[key].isMap() ? storage_[key][inside] : inside ? FileNode() : storage_[key];
+        return node.isInt() || node.isReal() ? (double)node : 0;
+    }
+
+    int pixels(const String& keys) const
+    {
+        String key;
+        const FileNode node = find(keys, key);
         if (!node.isInt() || (int)node <= 0)
-            importError(filename_, format("key %s: expected a whole number larger than 0", key));
+            importError(filename_, "key " + key + ": expected a whole number larger than 0");
         return (int)node;
     }
 
@@ -99,6 +184,8 @@ public:
             CV_Error(Error::StsBadArg, "files: expected at least one calibration file");
         for (size_t i = 0; i < files.size(); i++)
             storages_.push_back(openStorage(files[i]));
+        for (size_t i = 0; i < files.size(); i++)
+            refuseFisheye(storages_[i].root(), files[i]);
     }
 
     //! The first of these keys in any of the files; empty if there is none. @param names separated by spaces
@@ -108,8 +195,12 @@ public:
         String name;
         while (words >> name)
             for (size_t i = 0; i < storages_.size(); i++)
-                if (!storages_[i][name].empty())
-                    return storages_[i][name];
+            {
+                const FileNode root = storages_[i].root();
+                for (FileNodeIterator it = root.begin(); it != root.end(); ++it)
+                    if ((*it).name() == name || (name.size() > 2 && plain((*it).name()) == plain(name)))
+                        return *it;
+            }
         return FileNode();
     }
 
@@ -143,6 +234,30 @@ public:
     }
 
 private:
+    //! A key whatever the release writes large and where it has underscores.
+    static String plain(const String& key)
+    {
+        String text = lowerCase(key);
+        text.erase(std::remove(text.begin(), text.end(), '_'), text.end());
+        return text;
+    }
+
+    //! Its four coefficients would pass for k1, k2, p1, p2.
+    static void refuseFisheye(const FileNode& root, const String& filename)
+    {
+        const char* const others[] = { "fisheye", "equidistant", "kannala", "omni", "mei" };
+        for (FileNodeIterator it = root.begin(); it != root.end(); ++it)
+        {
+            const String key = lowerCase((*it).name()), value = (*it).isString() ? lowerCase((String)*it) : String();
+            const bool flag = key.find("fisheye") != String::npos && (value.empty() ? !(*it).isInt() || (int)*it != 0 : value != "false");
+            bool named = key == "xi" || key == "xi1" || flag;
+            for (int i = 0; i < 5; i++)
+                named = named || (key.find("model") != String::npos && value.find(others[i]) != String::npos);
+            if (named)
+                importError(filename, "key " + (*it).name() + ": the fisheye model is not supported, expected a calibration of cv::calibrateCamera()");
+        }
+    }
+
     std::vector<String> files_;
     std::vector<FileStorage> storages_;
 };
@@ -214,16 +329,17 @@ CameraPair importCameraInfo(const std::vector<String>& files)
     const CameraInfo right(files[1]);
     cameras.right = right.camera();
     // Between the rectified cameras, of the same focal length, there is a translation along x only: P(0, 3) = fx * Tx.
-    const Mat_<double> P1 = left.matrix("projection_matrix", 3, 4), P2 = right.matrix("projection_matrix", 3, 4);
+    const Mat_<double> P1 = left.matrix("projection_matrix P p", 3, 4), P2 = right.matrix("projection_matrix P p", 3, 4);
     if (!(P1(0, 0) > 0 && P2(0, 0) > 0) || P1(0, 3) != 0 || !(P2(0, 3) < 0))
         importError(right.name(), "key projection_matrix: expected that of the right camera of a stereo pair, data[3] = -fx * baseline "
                     "below 0, and in the left camera's file 0");
     Matx44d shift = Matx44d::eye();
     shift(0, 3) = P2(0, 3) / P2(0, 0);
     const Mat zero = Mat::zeros(3, 1, CV_64F);
-    const Matx44d rectified_T_left = makeTransform(left.name(), left.matrix("rectification_matrix", 3, 3), zero, 1);
-    const Matx44d rectified_T_right = makeTransform(right.name(), right.matrix("rectification_matrix", 3, 3), zero, 1);
+    const Matx44d rectified_T_left = makeTransform(left.name(), left.matrix("rectification_matrix R r", 3, 3), zero, 1);
+    const Matx44d rectified_T_right = makeTransform(right.name(), right.matrix("rectification_matrix R r", 3, 3), zero, 1);
     cameras.right_T_left = rigidInverse(rectified_T_right) * shift * rectified_T_left;
+    checkBaseline(right.name(), "key projection_matrix", cameras.right_T_left);
     return cameras;
 }
 
@@ -250,6 +366,7 @@ CameraPair importOpenCVCameras(const std::vector<String>& files, double unit, Si
         importError(files[0], format("the cameras are %g apart, in a unit the file does not say: expected it to be given (unit: metres, "
                                      "0.001 for millimetres)", norm(T)), Error::StsBadArg);
     cameras.right_T_left = makeTransform(files[0], R, T, unit);
+    checkBaseline(files[0], "T", cameras.right_T_left);
     return cameras;
 }
 

@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "files/joint_names.hpp"
 #include "lab/import/import_tool.hpp"
 
 #ifdef HAVE_NLOHMANN_JSON
@@ -43,9 +44,10 @@ ToolModel::Link readJoint(const JsonKey& key, const JsonKey& dh)
     const String type = key["type"].text();
     if (type != "revolute" && type != "prismatic")
         key["type"].fail("expected revolute or prismatic, found `" + type + "`");
-    joint.jointType = type == "revolute" ? ToolModel::JOINT_REVOLUTE : ToolModel::JOINT_PRISMATIC;
+    const bool passive = key.has("mode") && key["mode"].text() == "passive";   // no reading moves it
+    joint.jointType = passive ? ToolModel::JOINT_FIXED : type == "revolute" ? ToolModel::JOINT_REVOLUTE : ToolModel::JOINT_PRISMATIC;
     const double offset = key.has("offset") ? key["offset"].number() : 0;
-    const bool turns = joint.jointType == ToolModel::JOINT_REVOLUTE;
+    const bool turns = type == "revolute";
     joint.alpha = exactAngle(key["alpha"].number());
     joint.a = key["A"].number();
     joint.theta = exactAngle(key["theta"].number()) + (turns ? exactAngle(offset) : 0);
@@ -55,6 +57,8 @@ ToolModel::Link readJoint(const JsonKey& key, const JsonKey& dh)
 
 void readFile(const String& filename, Chain& chain)
 {
+    if (chain.hasJaw || chain.hasTip)
+        importError(filename, "comes after the instrument's file, which has jaw or tooltip_offset: expected the arm's file first");
     const JsonFile file(filename);
     const JsonKey root = file.root();
     if (root.has("snake_like") && root["snake_like"].boolean())
@@ -77,6 +81,24 @@ void readFile(const String& filename, Chain& chain)
     chain.hasTip = true;
 }
 
+//! Are all files there, and in their order? The dVRK's names tell.
+void checkOrder(const Chain& chain, const std::vector<String>& files)
+{
+    String last;
+    for (size_t i = 0; i < chain.joints.size(); i++)
+    {
+        const String key = jointKey(chain.joints[i].name);
+        if (key.size() != 2 || key[0] != 'q' || key[1] < '1' || key[1] > '6')
+            continue;
+        if (last.empty() && key > "q3")
+            importError(files[0], "the joints begin with `" + chain.joints[i].name + "`, as those of an instrument: expected the arm's file (PSM.json) "
+                        "before it");
+        if (!last.empty() && key <= last)
+            importError(files.back(), "joint `" + chain.joints[i].name + "` comes too late: expected the arm's file first, then the instrument's, once each");
+        last = key;
+    }
+}
+
 void addJaw(const char* name, double scale, ToolModel::Description& tool)
 {
     ToolModel::Link jaw;
@@ -95,11 +117,13 @@ ToolModel::Description describe(const Chain& chain)
     {
         tool.links.push_back(chain.joints[i]);
         ToolModel::Link& link = tool.links.back();
-        link.parent = link.coordinate = (int)i;
-        link.parent--;
+        link.parent = (int)i - 1;
         if (link.name.empty())
             link.name = format("link%d", (int)i + 1);
-        tool.coordinates.push_back(format("q%d", (int)i + 1));
+        if (link.jointType == ToolModel::JOINT_FIXED)
+            continue;
+        link.coordinate = (int)tool.coordinates.size();
+        tool.coordinates.push_back(format("q%d", link.coordinate + 1));
     }
     tool.endEffectorLink = (int)tool.links.size() - 1;
     if (chain.hasJaw)
@@ -152,6 +176,7 @@ Ptr<ToolModel> importDvrkTool(const std::vector<String>& files, const ToolParts&
         readFile(files[i], chain);
     if (chain.joints.empty())
         CV_Error(Error::StsBadArg, "files: expected the kinematics of an arm and of an instrument");
+    checkOrder(chain, files);
     ToolModel::Description tool = parts.like.empty() ? describe(chain) : describeLike(chain, parts.like);
     const String& last = files.back();
     const size_t start = last.find_last_of("/\\") + 1;

@@ -71,18 +71,37 @@ private:
 
 #ifdef HAVE_NLOHMANN_JSON
 
+//! The last number in a file's name, -1 if it has none.
+static int numberOf(const String& path)
+{
+    const String name = path.substr(path.find_last_of("/\\") + 1), stem = name.substr(0, name.rfind('.'));
+    const size_t last = stem.find_last_of("0123456789");
+    if (last == String::npos)
+        return -1;
+    const size_t before = stem.find_last_not_of("0123456789", last), start = before == String::npos ? 0 : before + 1;
+    return std::atoi(stem.substr(start, std::min(last - start + 1, (size_t)9)).c_str());
+}
+
 int importEndoVisKeypoints(const String& labels, const String& csv, const std::vector<String>& keypoints, const std::vector<String>& tools)
 {
     KeypointTable table(keypoints, tools);
     const JsonFile file(labels);
     const JsonKey images = file.root();
-    for (size_t frame = 0; frame < images.size(); frame++)
+    int first = -1, last = -1;
+    for (size_t k = 0; k < images.size(); k++)
     {
-        const JsonKey annotations = images[frame]["annotations"];
+        // Labels may be of some frames only: the number in the name tells, counted from the first.
+        const JsonKey annotations = images[k]["annotations"];
+        const int number = images[k].has("filename") ? numberOf(images[k]["filename"].text()) : -1;
+        first = k == 0 ? number : first;
+        const int frame = first >= 0 && number >= 0 ? number - first : last + 1;
+        if (frame <= last)
+            images[k].fail(format("expected images in the order of the numbers in their names, found %d after %d", number, first + last));
+        last = frame;
         for (size_t i = 0; i < annotations.size(); i++)
         {
             const JsonKey point = annotations[i];
-            table.add((int)frame, point["id"].text(), point["class"].text(), Point2d(point["x"].number(), point["y"].number()));
+            table.add(frame, point["id"].text(), point["class"].text(), Point2d(point["x"].number(), point["y"].number()));
         }
     }
     return table.write(labels, csv);

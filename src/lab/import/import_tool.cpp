@@ -120,7 +120,9 @@ void addParts(const ToolParts& parts, const Matx33d& axes, ToolModel::Descriptio
     {
         const std::pair<String, String> part = splitPair(parts.meshes[i], "meshes");
         ToolModel::Link& link = tool.links[findLink(tool, part.first, "meshes")];
-        link.mesh = (int)tool.meshes.size();
+        link.mesh = part.second == "none" ? -1 : (int)tool.meshes.size();
+        if (link.mesh < 0)
+            continue;
         tool.meshes.push_back(loadMesh(part.second, parts.meshScale, rigidTransform(axes, Vec3d())));
     }
     dropUnusedMeshes(tool);

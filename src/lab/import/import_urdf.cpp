@@ -4,6 +4,9 @@
 
 #include "precomp.hpp"
 #include "lab/import/import_tool.hpp"
+#include "lab/import/urdf_shape.hpp"
+#include <map>
+#include <regex>
 
 #ifdef HAVE_URDFDOM
 #include <console_bridge/console.h>
@@ -78,6 +81,7 @@ public:
     UrdfReader(const String& filename, const ToolParts& parts) : filename_(filename), parts_(parts)
     {
         const String text = readTextFile(filename);
+        readOrder(text);
         Messages messages;
         try
         {
@@ -89,6 +93,7 @@ public:
         }
         if (!urdf_ || !messages.first.empty())
             fail("expected an expanded URDF" + (messages.first.empty() ? String() : " (" + messages.first + ")"));
+        replaced_ = pairsByLabel(parts.meshes, "meshes");
         if (!parts.like.empty())
             like_ = ToolModel::load(parts.like, 0);
     }
@@ -105,10 +110,45 @@ public:
         if (like_)
             addKeypoints();
         findEndEffector();
+        orderCoordinates();
         return tool_;
     }
 
 private:
+    //! The joints in the order of the file, which urdfdom does not keep.
+    void readOrder(const String& text)
+    {
+        const std::regex comment("<!--[^]*?-->"), joint("<joint\\s[^>]*?name\\s*=\\s*[\"']([^\"']+)[\"']");
+        const std::string rest = std::regex_replace(text, comment, "");
+        for (std::sregex_iterator it(rest.begin(), rest.end(), joint), end; it != end; ++it)
+            order_.push_back((*it)[1].str());
+    }
+
+    //! Those on the way to the end effector first, from the base on, then the others as in the file.
+    void orderCoordinates()
+    {
+        std::vector<int> found;
+        for (int i = tool_.endEffectorLink; i >= 0; i = tool_.links[i].parent)
+            if (tool_.links[i].jointType != ToolModel::JOINT_FIXED)
+                found.insert(found.begin(), tool_.links[i].coordinate);
+        for (size_t i = 0; i < order_.size(); i++)
+            found.push_back((int)(std::find(tool_.coordinates.begin(), tool_.coordinates.end(), order_[i]) - tool_.coordinates.begin()));
+        for (size_t i = 0; i < tool_.coordinates.size(); i++)
+            found.push_back((int)i);
+        std::vector<int> place(tool_.coordinates.size() + 1, -1);
+        std::vector<String> sorted;
+        for (size_t i = 0; i < found.size(); i++)
+            if (found[i] < (int)tool_.coordinates.size() && place[found[i]] < 0)
+            {
+                place[found[i]] = (int)sorted.size();
+                sorted.push_back(tool_.coordinates[found[i]]);
+            }
+        tool_.coordinates.swap(sorted);
+        for (size_t i = 0; i < tool_.links.size(); i++)
+            if (tool_.links[i].jointType != ToolModel::JOINT_FIXED)
+                tool_.links[i].coordinate = place[tool_.links[i].coordinate];
+    }
+
     CV_NORETURN void fail(const String& what, int code = Error::StsParseError) const { importError(filename_, what, code); }
 
     void addChildren(const urdf::LinkConstSharedPtr& link, int parent)
@@ -211,12 +251,19 @@ private:
 
     void addMeshes(const urdf::Link& link, int index)
     {
+        if (replaced_.count(link.name))
+            return;   // whatever the URDF has: it need not even be a file that can be read
         Mesh all;
         for (size_t i = 0; i < link.visual_array.size(); i++)
         {
             const urdf::Visual& visual = *link.visual_array[i];
-            if (!visual.geometry || visual.geometry->type != urdf::Geometry::MESH)
+            if (!visual.geometry)
                 continue;
+            if (visual.geometry->type != urdf::Geometry::MESH)
+            {
+                append(shapeMesh(*visual.geometry, toTransform(visual.origin)), all);
+                continue;
+            }
             const urdf::Mesh& mesh = static_cast<const urdf::Mesh&>(*visual.geometry);
             try
             {
@@ -299,6 +346,8 @@ private:
     String filename_;
     ToolParts parts_;
     urdf::ModelInterfaceSharedPtr urdf_;
+    std::vector<String> order_;              // of the joints, in the file
+    std::map<String, String> replaced_;      // meshes, by link
     Ptr<ToolModel> like_;
     ToolModel::Description tool_;
 };

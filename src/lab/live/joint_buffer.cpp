@@ -5,6 +5,7 @@
 #include "precomp.hpp"
 #include <cfloat>
 #include <deque>
+#include "files/joint_names.hpp"
 #include "opencv2/surgtrack/live.hpp"
 
 namespace cv { namespace surgtrack {
@@ -29,6 +30,7 @@ public:
     JointBufferImpl(const std::vector<String>& coordinates, double history, double maxGap)
         : coordinates_(coordinates), history_(history), maxGap_(maxGap), samples_(coordinates.size()), tooOld_(0)
     {
+        for (size_t c = 0; c < coordinates.size(); c++) keys_.push_back(jointKey(coordinates[c]));
     }
 
     bool add(const JointReading& reading) CV_OVERRIDE
@@ -88,7 +90,9 @@ private:
         bool named = false;
         for (size_t i = 0; i < reading.names.size(); i++)
         {
-            const size_t c = std::find(coordinates_.begin(), coordinates_.end(), reading.names[i]) - coordinates_.begin();
+            size_t c = std::find(coordinates_.begin(), coordinates_.end(), reading.names[i]) - coordinates_.begin();
+            if (c == coordinates_.size())
+                c = std::find(keys_.begin(), keys_.end(), jointKey(reading.names[i])) - keys_.begin();
             targets[i] = c < coordinates_.size() ? (int)c : -1;
             named = named || targets[i] >= 0;
         }
@@ -133,7 +137,7 @@ private:
         return JOINTS_FOUND;
     }
 
-    std::vector<String> coordinates_;
+    std::vector<String> coordinates_, keys_;     // keys_: see jointKey()
     double history_, maxGap_;
     std::vector<std::deque<Sample> > samples_;   // a coordinate, by rising time
     int tooOld_;                                 // readings in succession

@@ -1,12 +1,14 @@
 # This file is part of OpenCV project.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution and at http://opencv.org/license.html.
-"""The Python part of cv2.surgtrack: its values have a readable repr and can be copied and pickled."""
+"""The Python part of cv2.surgtrack: its values have a readable repr and can be copied and pickled, and cv2.error.err is of the
+error it is asked of."""
 
 import copyreg as _copyreg
 import types as _types
 
 import numpy as _np
+from cv2 import error as _error
 from cv2 import surgtrack as _bindings   # all that is in there comes into this package once it is loaded
 
 _VALUES = (_bindings.ToolEstimate, _bindings.PartMatch, _bindings.StageTime, _bindings.PoseScore)   # structures with writable fields only
@@ -47,6 +49,14 @@ def _restore(cls, fields):
 def _reduce(value):
     return _restore, (type(value), {name: getattr(value, name) for name in _fields(type(value))})
 
+
+def _error_attribute(error, name):
+    # OpenCV keeps `err` in the class: an error of Python's arguments has that of the error before, or none.
+    value = Exception.__getattribute__(error, name)
+    return str(error) if name == 'err' and (not value or value not in str(error)) else value
+
+
+_error.__getattribute__ = _error_attribute
 
 for _cls in _VALUES:
     _copyreg.pickle(_cls, _reduce)   # copy asks there, too

@@ -1470,6 +1470,10 @@ class SequenceTool:
     def nominal_T_base(self) -> NDArray[np.float64]:
         """the calibrated, wrong, hand-eye: the key camera_T_base of the file"""
         ...
+    @property
+    def timeOffset(self) -> float:
+        """the joints of the image of time t were recorded at t + timeOffset: the key time_offset, else 0 [s]"""
+        ...
 
 class TrueKeypoint:
     """Where a keypoint of a tool truly is in a frame."""
@@ -1493,7 +1497,7 @@ class TrueKeypoint:
 
 class Sequence:
     """A recorded sequence: a folder with sequence.yaml, video, kinematics.csv and, where known, groundtruth.csv and keypoints.csv.
-    The format is described in doc/formats.md. Frame k is at time k / fps. Keys and columns that are not known are ignored.
+    The format is described in doc/formats.md. Frame k is at time k / fps, or where frames.csv has it. Keys and columns that are not known are ignored.
     """
     @staticmethod
     def load(folder: str, recorded: bool = ...) -> Sequence:
@@ -1510,6 +1514,16 @@ class Sequence:
         ...
     def fps(self) -> float:
         """Frames a second."""
+        ...
+    def frameTime(self, frame: int) -> float:
+        """Time of a frame: its stamp in frames.csv, interpolated between and 1 / fps apart beyond those it has; without that file
+        frame / fps [s].
+
+        frame: number, from 0 on
+        """
+        ...
+    def hasFrameTimes(self) -> bool:
+        """Whether there is a frames.csv."""
         ...
     def leftCamera(self) -> CameraModel:
         """The left camera, or the only one."""
@@ -1542,7 +1556,7 @@ class Sequence:
         """Joint readings at a time, linearly interpolated between the two nearest records.
 
         tool: index
-        time: [s]
+        time: of the image [s]; SequenceTool.timeOffset is added
         joints: one value per wanted coordinate [rad or m]
         coordinates: the coordinates wanted, as ToolModel.coordinateNames(); empty = all of jointNames()
         Returns: false if the time lies outside the records (by more than one sampling interval); joints is then unchanged
@@ -1553,10 +1567,10 @@ class Sequence:
         """Names of the joint columns of kinematics.csv: all but `time` and `tool`."""
         ...
     def firstTime(self, tool: int) -> float:
-        """Time of a tool's first joint reading [s]."""
+        """Time of a tool's first joint reading, on the images' clock [s]."""
         ...
     def lastTime(self, tool: int) -> float:
-        """Time of a tool's last joint reading [s]."""
+        """Time of a tool's last joint reading, on the images' clock [s]."""
         ...
     def kinematicsFile(self) -> str:
         """Path of kinematics.csv."""
@@ -2044,7 +2058,9 @@ class ToolParts:
     Of a dVRK tool it also gives the names of links and coordinates, joint for joint; links of an URDF are found by their names.
     """
     meshes: Tuple[str, ...]
-    """`LINK:FILE` each: mesh files (PLY, STL or OBJ) of links; they replace those of the file imported, or of `like`."""
+    """`LINK:FILE` each: mesh files (PLY, STL or OBJ) of links; they replace those of the file imported, or of `like`,
+    which are not read. `LINK:none`: that link has no mesh.
+    """
     meshScale: float
     """of the files in `meshes`: metres per unit; 1 = metres, 0.001 = millimetres"""
     meshesInToolAxes: bool
@@ -2074,7 +2090,7 @@ def importDvrkTool(files: _Sequence[str], parts: ToolParts = ...) -> ToolModel:
     and ToolParts.like is given, it is where that tool has it.
 
     files: the kinematic files in the order of the joints: the arm's (PSM.json), the instrument's (LARGE_NEEDLE_DRIVER_400006.json);
-    or one old file with all
+    or one old file with all. Joints of mode `passive` do not move
     parts: meshes and keypoints; without any the tool has kinematics only
     Raises cv2.error (StsNotImplemented) if the module was built without nlohmann_json
     """
@@ -2085,7 +2101,8 @@ def importUrdfTool(filename: str, parts: ToolParts = ...) -> ToolModel:
 
     Joints that turn or slide become coordinates of the same name; joints that mimic share the coordinate of the joint they follow. A
     joint in a general place takes up to four links of modified Denavit-Hartenberg transforms; the last has the name of the URDF's link.
-    The visuals of a link that are meshes are read, with their scale and origin; those of the base are not, it does not move with the tool.
+    Coordinates come in the order of the joints on the way to the end effector, from the base on, then the others as in the file.
+    The visuals of a link are read, with their scale and origin: meshes, cylinders, spheres and boxes; those of the base are not, it does not move with the tool.
     Rotations by quarter turns about the axes whose angles were rounded (1.5708, 1.570796327) are made exact.
 
     filename: the URDF
@@ -2095,10 +2112,11 @@ def importUrdfTool(filename: str, parts: ToolParts = ...) -> ToolModel:
     ...
 
 def importCameraInfo(files: _Sequence[str]) -> CameraPair:
-    """Cameras from ROS calibration files (`camera_info` YAML, as camera_calibration writes them).
+    """Cameras from ROS calibration files (`camera_info` YAML, as camera_calibration writes them), or CameraInfo messages as `ros2 topic
+    echo` prints them. Without a region of interest images are of the whole sensor.
 
     files: the left camera's, or left and right of a stereo pair (its baseline is in the `projection_matrix`, in metres)
-    Raises cv2.error for distortion models other than plumb_bob and rational_polynomial
+    Raises cv2.error for distortion models other than plumb_bob and rational_polynomial, and cameras more than 0.5 m apart
     """
     ...
 
@@ -2106,7 +2124,8 @@ def importOpenCVCameras(files: _Sequence[str], unit: float = ..., imageSize: Tup
     """Cameras from files of cv2.FileStorage.
 
     Keys are those of OpenCV's samples and common elsewhere: `M1, D1, M2, D2, R, T` (intrinsics.yml and extrinsics.yml),
-    `cameraMatrix1, distCoeffs1, ...`, `camera_matrix, distortion_coefficients`.
+    `cameraMatrix1, distCoeffs1, ...`, `camera_matrix, distortion_coefficients` (`Camera_Matrix, Distortion_Coefficients`). Calibrations of
+    fisheye lenses are refused.
 
     files: one or several, taken together
     unit: metres per unit of T (0.001 for a board measured in millimetres); needed with two eyes, as files do not say it
@@ -2118,19 +2137,42 @@ def importSurgPoseCameras(filename: str) -> CameraPair:
     """Cameras from SurgPose's StereoCalibrationDVRK.ini: `kc_0, kc_1, kc_4` radial, `kc_2, kc_3` tangential; T in millimetres."""
     ...
 
+def importHandEye(filename: str) -> NDArray[np.float64]:
+    """A hand-eye calibration from a file of others.
+
+    filename: of cv2.FileStorage, plain YAML or JSON: `camera_T_base`; the dVRK's `...-registration-open-cv.json`: `base-frame.transform`;
+    or a text of three or four lines of four numbers
+    Returns: camera_T_base [m]
+    """
+    ...
+
 def importJoints(files: _Sequence[str], coordinates: _Sequence[str], joints: Optional[NDArray[Any]] = ..., columns: _Sequence[str] = ...) -> Tuple[NDArray[np.float64], NDArray[Any]]:
     """Joint readings from CSV files of dVRK or ROS recordings.
 
-    The time is the column `time`, `timestamp`, `stamp` or one ending in `header.stamp`, `__time`, `%time`, or the pair `...secs` and
-    `...nsecs` (`...sec`, `...nanosec`); seconds or nanoseconds, told by the rate, which must lie between 2 Hz and 5 kHz. Joints are the columns of
-    the coordinate's name, of the dVRK's (`yaw` or `outer_yaw` for q1, ... `jaw`), perhaps followed by `position`; or, in a file with
-    none of these, `...position0`, `...position[1]`, ..., in the order of the coordinates, going on from file to file.
+    The time is the column `...header.stamp`, `...stamp`, `time` (`Time`, `time_ms`, `time [ns]`), `__time`, `%time` or `t`, or the pair `...secs`
+    and `...nsecs` (`...sec`, `...nanosec`); the first of these in which the time does not stand still. Seconds or nanoseconds are told by the
+    rate, which must lie between 2 Hz and 5 kHz, if the name has no unit. Joints are the columns of the coordinate's name, of the dVRK's
+    (`yaw` or `outer_yaw` for q1, ... `jaw`), perhaps followed by `position`; those whose names stand in the rows (`name0` of `position0`, or
+    lists `name` and `position`); or, in a file with none of these, `...position0`, `...position[1]`, ..., in the order of the coordinates,
+    going on from file to file. A cell that is empty or `nan` has no reading: each joint is interpolated over those it has.
 
     files: the arm's, and if the jaw was recorded apart, the jaw's: interpolated to the times of the first
     coordinates: names, as ToolModel.coordinateNames()
     times: of the readings, on the recording's own clock [s]
     joints: N x C CV_64F, a row a time [rad or m]
     columns: the column of each coordinate, if the names are others; empty: as above
+    Raises cv2.error too if a joint of the dVRK slides further than 10 m or turns more than twice: other units
+    """
+    ...
+
+def importSurgPoseJoints(filename: str, arm: str, coordinates: int, jaw: float, joints: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
+    """Joint values of SurgPose (api_jp_data.yaml): of each frame, from 0 on, six of each arm.
+
+    filename: the YAML
+    arm: `PSM1` or `PSM3`
+    coordinates: of the tool, 7
+    jaw: the last one, which the recording has not [rad]
+    joints: N x coordinates CV_64F, a row a frame [rad or m]
     """
     ...
 
@@ -2160,7 +2202,7 @@ def importDaVinciHandEye(filename: str, key: str) -> NDArray[np.float64]:
 def importEndoVisKeypoints(labels: str, csv: str, keypoints: _Sequence[str] = ..., tools: _Sequence[str] = ...) -> int:
     """Writes keypoints.csv from the labels of the EndoVis 2015 challenge (JSON: a list of images).
 
-    labels: the JSON; entry k is frame k
+    labels: the JSON; the frame is the number in an entry's `filename`, counted from that of the first entry; without numbers entry k is frame k
     csv: the file to write
     keypoints: `CLASS:NAME` each: label classes to write and the names of the tool's keypoints they are; empty: all, by their class
     tools: `ID:NAME` each, the same for tools
@@ -2242,7 +2284,8 @@ class JointBuffer:
     def add(self, reading: JointReading) -> bool:
         """Takes in a reading.
 
-        Positions go to the coordinates of their names; a name that is none is passed over. Without names, or if none of them is a
+        Positions go to the coordinates of their names, or of those the dVRK has for q1 to q6 (yaw, pitch, insertion, roll, wrist_pitch,
+        wrist_yaw, with or without `outer_`); a name that is none is passed over. Without names, or if none of them is a
         coordinate, positions are in the order of the coordinates: all of them, or all but the last one, the jaw.
 
         A reading older than the history, counted from the newest one, is not kept. If that happens 50 times in succession the robot's

@@ -2,8 +2,8 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
-#ifndef OPENCV_SURGTRACK_SRC_FILES_MESH_CHECK_HPP
-#define OPENCV_SURGTRACK_SRC_FILES_MESH_CHECK_HPP
+#ifndef OPENCV_SURGTRACK_SRC_FILES_MESH_READER_HPP
+#define OPENCV_SURGTRACK_SRC_FILES_MESH_READER_HPP
 
 #include <fstream>
 #include <sstream>
@@ -12,12 +12,11 @@
 
 namespace cv { namespace surgtrack {
 
-// VTK's readers deliver what they could make of a damaged file, or read beyond its end. So files are checked before VTK sees
-// them, and what VTK read is compared with what the file promises.
-class MeshFileChecker
+// Reads mesh files and checks them: what is damaged is an error, never a part of the mesh.
+class MeshFileReader
 {
 public:
-    explicit MeshFileChecker(const String& filename) : filename_(filename), pos_(0), faces_(-1), vertices_(-1)
+    explicit MeshFileReader(const String& filename) : filename_(filename), pos_(0)
     {
         std::ifstream file;
         if (!utils::fs::isDirectory(filename))
@@ -31,22 +30,15 @@ public:
             fail("is the pointer git-LFS leaves in the place of a file, expected the mesh itself: run `git lfs pull` where it comes from");
     }
 
-    void checkPLY();
-    void checkSTL();
-    void checkOBJ();
+    void readPLY();
+    void readSTL();
+    void readOBJ();
 
-    //! Compares with what the file promises; -1 = not known.
-    void checkCounts(int64 vertices, int64 faces) const
-    {
-        if (vertices_ >= 0 && vertices != vertices_)
-            fail(format("expected %lld vertices, read %lld", (long long)vertices_, (long long)vertices));
-        if (faces_ >= 0 && faces != faces_)
-            fail(format("expected %lld faces, read %lld", (long long)faces_, (long long)faces));
-    }
+    const std::vector<Point3d>& points() const { return points_; }
+    //! Number of corners and then their points, a face after the other.
+    const std::vector<int>& faces() const { return faces_; }
 
-    const std::string& content() const { return data_; }
-
-    void fail(const String& what) const { CV_Error(Error::StsParseError, filename_ + ": " + what); }
+    CV_NORETURN void fail(const String& what) const { CV_Error(Error::StsParseError, filename_ + ": " + what); }
 
 private:
     struct Type { int size; bool isInteger, isSigned; };
@@ -56,11 +48,17 @@ private:
     std::vector<Element> readPLYHeader(String& plyFormat);
     void needPLYProperty(const std::vector<Element>& elements, const char* element, const char* property, bool list) const;
     static Type plyType(const String& name);
-    void checkPLYFace(const int64* indices, int64 count) const;
-    void checkTextElement(const Element& element, bool faces);
-    void checkBinaryElement(const Element& element, bool faces, bool bigEndian);
+    void addPLYFace(const std::vector<double>& indices, int64 vertices);
+    void addPLYItem(const Element& element, const Property& property, const std::vector<double>& values, int64 vertices);
+    void readTextElement(const Element& element, int64 vertices);
+    void readBinaryElement(const Element& element, int64 vertices, bool bigEndian);
     double nextNumber();
     int64 nextInteger(const Type& type, bool bigEndian);
+    double nextValue(const Type& type, bool bigEndian);
+    void readBinarySTL(int64 triangles);
+    void readTextSTL();
+    void readOBJVertex(std::istream& words, int line);
+    void addFace(const std::vector<int>& corners);
 
     bool nextLine(String& line)
     {
@@ -74,9 +72,8 @@ private:
         return true;
     }
 
-    String checkOBJCorner(const String& corner, const int64* count, int line) const;
+    int readOBJCorner(const String& corner, const int64* count, int line) const;
 
-    // vtkPLYReader stumbles over characters that are white space to others.
     void nextPLYLine(String& line, const char* expected)
     {
         if (!nextLine(line))
@@ -96,7 +93,8 @@ private:
     String filename_;
     std::string data_;
     size_t pos_;
-    int64 faces_, vertices_;
+    std::vector<Point3d> points_;
+    std::vector<int> faces_;
 };
 
 }} // namespace cv::surgtrack
