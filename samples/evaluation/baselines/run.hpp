@@ -32,7 +32,7 @@ inline BaselineCounts countBaseline(const Data& data, GradBoost& detector, int f
         if (frame % step || !truths.read(frame))
             continue;
         truths.finder().setImage(image);
-        detector.setImage(truths.finder().pixels(Rect()));
+        detector.setImage(truths.finder().pixels(Rect(Point(), truths.finder().camera().imageSize())));
         const ClassPoints points = pointsOf(data, truths);
         for (int cls = 1; cls < detector.classCount(); cls++)
         {
