@@ -5,6 +5,7 @@
 // Measures the tracker on sequences whose truth is known: the tables and figures of Ye et al. 2016, Sec. 3, and whether the filter is
 // as good as it says.
 
+#include "evaluation/baselines/run.hpp"
 #include "evaluation/report.hpp"
 
 using namespace cv;
@@ -21,15 +22,18 @@ const char* const KEYS =
     "{ methods   | full,paper,epnp | methods to evaluate, separated by commas: full, paper, epnp. Worst frames are those of the first }"
     "{ frames    | 0               | number of frames of each sequence, 0 = to the end of the video }"
     "{ stereo    |                 | method full a second time with the right image, where there is one }"
+    "{ baselines |                 | gradboost: detection.csv has the detector of Sznitman et al. 2014 beside ours; needs --train }"
+    "{ train     |                 | folders of sequences with truth that the baselines learn from, separated by commas; none of a tested video }"
+    "{ rounds    | 200             | that gradboost learns }"
     "{ part      |                 | write no tables: one of several processes with a share of the sequences each, --merge comes last }"
     "{ merge     |                 | run nothing: tables of the results that are in --out }"
     "{ quiet     |                 | no progress }";
 
 struct Options
 {
-    std::vector<String> sequences, methods;
+    std::vector<String> sequences, methods, train;   // train: empty without baselines
     String out;
-    int frames;
+    int frames, rounds;
     bool stereo, part, merge, quiet;
 };
 
@@ -55,6 +59,20 @@ int methodOf(const String& name)
     return name == "full" ? METHOD_FULL : name == "paper" ? METHOD_PAPER : METHOD_EPNP;
 }
 
+void readBaselines(const CommandLineParser& parser, Options& options)
+{
+    options.rounds = common::integer(parser, "rounds", 1, 1000);
+    const bool train = !parser.get<String>("train").empty();
+    if (train == parser.get<String>("baselines").empty())
+        fail("arguments '--baselines' and '--train': expected both of them or none");
+    if (!train)
+        return;
+    if (parser.get<String>("baselines") != "gradboost")
+        fail("argument '--baselines': '" + parser.get<String>("baselines") + "' is no baseline, the one available is gradboost");
+    options.train = findSequences(split(parser, "train"));
+    checkLeaks(options.train, options.sequences);
+}
+
 Options readOptions(const CommandLineParser& parser)
 {
     Options options;
@@ -77,6 +95,7 @@ Options readOptions(const CommandLineParser& parser)
     if (options.part && options.merge)
         fail("arguments '--part' and '--merge': expected one of them, or none for both in turn");
     options.quiet = parser.has("quiet");
+    readBaselines(parser, options);
     return options;
 }
 
@@ -104,7 +123,7 @@ Run track(const Data& data, const String& name, const Options& options, bool ste
     return run.track(options.frames, options.quiet);
 }
 
-void evaluateSequence(const Options& options, const Data& data, Result& result)
+void evaluateSequence(const Options& options, const Data& data, GradBoost* gradboost, Result& result)
 {
     result.label = data.label;
     for (size_t i = 0; i < data.tools.size(); i++)
@@ -124,6 +143,13 @@ void evaluateSequence(const Options& options, const Data& data, Result& result)
         std::fprintf(stderr, "%s: detection of parts\n", data.label.c_str());
     DetectionRun detection(data);
     result.detection = detection.run(options.frames, options.quiet);
+    if (!gradboost)
+        return;
+    if (!options.quiet)
+        std::fprintf(stderr, "%s: detection by gradboost\n", data.label.c_str());
+    result.gradboost = countBaseline(data, *gradboost, options.frames, options.quiet);
+    if (!options.quiet)
+        std::fprintf(stderr, "gradboost: %.1f of %d rounds a pixel\n", gradboost->meanRounds(), gradboost->rounds());
 }
 
 //! Those of an earlier evaluation, whose sequences may have had other labels.
@@ -158,17 +184,17 @@ void writeAll(const Options& options, const Results& results, const std::vector<
     writeReport(utils::fs::join(out, "report.md"), results, failures);
 }
 
-//! What other options make another result.
-String settingsOf(const Options& options)
+//! What other options make another result. @param model empty: there is none
+String settingsOf(const Options& options, const String& model)
 {
     String settings = format("%d frames%s", options.frames, options.stereo ? ", stereo" : "");
     for (size_t i = 0; i < options.methods.size(); i++)
         settings += " " + options.methods[i];
-    return settings;
+    return model.empty() ? settings : settings + ", " + model;
 }
 
 //! Leaves NAME.yml.gz, or, if the sequence can't be evaluated, NAME.failed with the reason.
-void makeResult(const Options& options, const String& folder, const String& name)
+void makeResult(const Options& options, const String& folder, const String& name, GradBoost* gradboost)
 {
     std::remove((name + ".failed").c_str());
     std::string error;
@@ -177,7 +203,7 @@ void makeResult(const Options& options, const String& folder, const String& name
         Data data;
         data.load(folder);
         Result result;
-        evaluateSequence(options, data, result);
+        evaluateSequence(options, data, gradboost, result);
         save(name + ".yml.gz", result);
         return;
     }
@@ -210,14 +236,24 @@ int run(const CommandLineParser& parser)
     const String probe = partOf(utils::fs::join(folder, "probe"));   // better now than after an hour
     TextFile(probe).finish();
     std::remove(probe.c_str());
+    Ptr<GradBoost> gradboost;
+    String model;
+    if (!options.train.empty())
+    {
+        gradboost = makePtr<GradBoost>(options.rounds);
+        const Training training(options.train);
+        model = gradboost->constants() + " " + training.print();
+        if (!options.merge)
+            prepare(*gradboost, training, utils::fs::join(options.out, "models"), options.quiet);
+    }
     Results results;
     std::vector<std::string> failures;
     for (size_t i = 0; i < options.sequences.size(); i++)
     {
         const String& sequence = options.sequences[i];
-        const String name = resultName(folder, sequence, settingsOf(options));
+        const String name = resultName(folder, sequence, settingsOf(options, model));
         if (!options.merge && !utils::fs::exists(name + ".yml.gz"))
-            makeResult(options, sequence, name);
+            makeResult(options, sequence, name, gradboost.get());
         else if (!options.quiet && !options.merge)
             std::fprintf(stderr, "%s: is in %s already\n", sequence.c_str(), folder.c_str());
         const String failure = failureOf(options, sequence, name);
@@ -249,6 +285,6 @@ int main(int argc, char** argv)
 {
     const common::Program program = { NAME, "Measures the tracker on sequences whose truth is known; writes tables, frame by frame errors and report.md.\n"
                                       "plot_evaluation.py makes the plots.",
-                                      KEYS, { "sequences", "out", "methods", "frames" }, { "stereo", "part", "merge", "quiet" } };
+                                      KEYS, { "sequences", "out", "methods", "frames", "baselines", "train", "rounds" }, { "stereo", "part", "merge", "quiet" } };
     return common::runProgram(argc, argv, program, run);
 }

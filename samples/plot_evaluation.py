@@ -62,7 +62,8 @@ class Evaluation:
         table = read(folder, "table.csv", ["sequence", "tool", "method"] + scores, scores)
         self.scores = [row for row in table if row["tool"] == "all"]
         rates = ["threshold_px", "top_n", "rate", "samples"]
-        self.detection = read(folder, "detection.csv", ["sequence", "variant", "part"] + rates, rates)
+        self.detection = [row for row in read(folder, "detection.csv", ["sequence", "variant", "part"] + rates, rates)
+                          if row["variant"] in [variant for variant, _ in VARIANTS]]   # not those of baselines
         axes = ["mean_abs", "std_abs"]
         self.axes = read(folder, "rotation_axes.csv", ["sequence", "method", "axis"] + axes, axes)
         self.sequences = unique(row["sequence"] for row in self.scores)

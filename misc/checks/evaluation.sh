@@ -60,6 +60,42 @@ for r in read("worst.csv"):
 PYTHON
 }
 
+# baseline_sound DIR: detection.csv has the baseline beside ours, and its rates rise with N and threshold.
+baseline_sound() {
+  "$PYTHON" - "$1/detection.csv" <<'PYTHON'
+import csv, sys
+rates = {}
+for r in csv.DictReader(open(sys.argv[1], newline="")):
+    if r["detector"] == "gradboost":
+        assert r["variant"] == "image", r
+        if r["rate"]:
+            rates[r["sequence"], r["part"], int(r["threshold_px"]), int(r["top_n"])] = float(r["rate"])
+assert {k[1] for k in rates} == {"logo_pivot", "logo_s", "shaft_pivot", "all"}, rates
+for (s, p, t, n), rate in rates.items():
+    assert 0 <= rate <= 1
+    assert n == 5 or rates[s, p, t, n + 1] >= rate, (s, p, t, n)
+    assert t == 20 or rates[s, p, 2 * t, n] >= rate, (s, p, t, n)
+PYTHON
+}
+
+# run_baseline WORK: gradboost, small, learns from one sequence and looks for parts in another one; stereo and pair are there.
+run_baseline() {
+  local work="$1" evaluate="$BUILD_DIR/bin/example_surgtrack_evaluate"
+  local options=(--sequences="$work/look" --train="$work/learn" --baselines=gradboost --rounds=20 --methods=epnp --frames=4 --quiet)
+  cp -r "$work/pair" "$work/look"
+  cp -r "$work/stereo" "$work/learn"
+  find "$work/look" "$work/learn" \( -name '*.yaml' -o -name keypoints.csv \) -exec sed -i 's/logo_v_/logo_s_/' {} +   # a part of the paper's
+  sample "evaluate, a baseline" limited "$evaluate" "${options[@]}" --out="$work/baseline"
+  sample "its detections" baseline_sound "$work/baseline"
+  sample "evaluate, a baseline in parts" limited "$evaluate" "${options[@]}" --out="$work/baseline2" --part
+  sample "evaluate, their tables" limited "$evaluate" "${options[@]}" --out="$work/baseline2" --merge
+  sample "the same detections" cmp "$work/baseline/detection.csv" "$work/baseline2/detection.csv"
+  sample "refused: learning from what is tested" refuses "$work/pair" "$evaluate" --sequences="$work/pair" --train="$work/pair" \
+    --baselines=gradboost --out="$work/leak"
+  sample "refused: a baseline that learns from nothing" refuses "'--train'" "$evaluate" --sequences="$work/pair" --baselines=gradboost \
+    --out="$work/leak"
+}
+
 # evaluation_same A B: two evaluations, byte for byte, but for what depends on the speed of the machine.
 evaluation_same() { diff -r -x results -x timings.csv "$1" "$2"; }
 
@@ -84,6 +120,7 @@ run_evaluation() {
   sample "its files" evaluation_sound "$work/evaluation" "$frames"
   sample "evaluate, again" limited "$evaluate" --sequences="$work/stereo,$work/pair" --out="$work/evaluation2" --stereo --quiet
   sample "the same files" evaluation_same "$work/evaluation" "$work/evaluation2"
+  run_baseline "$work"
   if "$PYTHON" -c 'import matplotlib' 2>/dev/null; then
     sample "plot_evaluation.py" limited "${plot[@]}" "$work/evaluation"
     sample "its pictures" pictures_there "$work/evaluation"

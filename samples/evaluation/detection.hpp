@@ -8,12 +8,12 @@
 #define OPENCV_SURGTRACK_SAMPLES_EVALUATION_DETECTION_HPP
 
 #include "opencv2/imgproc.hpp"
-#include "data.hpp"
+#include "true_parts.hpp"
 #include "../support/frame_reader.hpp"
 
 namespace evaluation {
 
-enum { MAX_TOP_N = 5, THRESHOLDS = 3, VARIANTS = 2 };
+enum { MAX_TOP_N = 5, THRESHOLDS = 3, VARIANTS = 2, MAX_DETECTION_FRAMES = 300 };
 
 inline int thresholdPixels(int index)   // of an image 720 pixel wide
 {
@@ -41,6 +41,18 @@ struct DetectionCount
         for (int i = 0; i < THRESHOLDS; i++)
             for (int n = 0; n < MAX_TOP_N; n++)
                 hits[i][n] += other.hits[i][n];
+    }
+    //! @param distances of the candidates, best first [pixel at 720 px width]; with fewer than N there is no more to offer
+    void addHits(const std::vector<double>& distances)
+    {
+        double nearest = DBL_MAX;
+        for (size_t n = 0; n < MAX_TOP_N; n++)
+        {
+            if (n < distances.size())
+                nearest = std::min(nearest, distances[n]);
+            for (int k = 0; k < THRESHOLDS; k++)
+                hits[k][n] += nearest <= thresholdPixels(k);
+        }
     }
     double rate(int threshold, int topN) const { return samples ? double(hits[threshold][topN]) / samples : unknown(); }
 };
@@ -76,25 +88,46 @@ struct Detection
     }
 };
 
+//! Of a detector that draws no templates; nothing if it was not asked for.
+struct BaselineCounts
+{
+    std::vector<String> parts;   //!< classes: keypoints whatever their side
+    std::vector<DetectionCount> counts;
+
+    void add(const BaselineCounts& other)
+    {
+        if (parts.empty())
+            *this = other;
+        else
+            for (size_t i = 0; i < other.counts.size(); i++)
+                counts[i].add(other.counts[i]);
+    }
+    DetectionCount all() const
+    {
+        DetectionCount sum;
+        for (size_t i = 0; i < counts.size(); i++)
+            sum.add(counts[i]);
+        if (sum.samples == 0)
+            sum.prior = unknown();
+        return sum;
+    }
+};
+
 /** @brief Draws templates, searches them as the tracker does, and compares with the true image points.
 
 Two variants. `raw`: at the pose of the recorded kinematics with the raw hand-eye calibration, windows of +-120 px. `tracked`: at the
 recorded joints with the true correction of the end effector, turned and moved by random amounts that put keypoints some 13 px off,
 windows of +-40 px. Pixels are those of an image 720 px wide; larger images are reduced by a whole number, as the tracker does.
-Without keypoints.csv the true points come from groundtruth.csv and the tool file, and a part can be seen if a drawing at the true
-pose shows it. */
+True points: see TrueParts. */
 class DetectionRun
 {
 public:
-    explicit DetectionRun(const Data& data) : data_(data), rng_(20160605)
+    explicit DetectionRun(const Data& data) : data_(data), rng_(20160605), truths_(data), finder_(truths_.finder())
     {
-        renderer_ = PartTemplateRenderer::create();
-        finder_ = PartFinder::create(data.sequence->leftCamera(), renderer_);
-        camera_ = finder_->camera();
-        pixel_ = finder_->pixelScale();
+        camera_ = finder_.camera();
+        pixel_ = finder_.pixelScale();
         for (size_t i = 0; i < data.tools.size(); i++)
         {
-            renderer_->addTool(data.tools[i].model);
             const std::vector<String> names = data.tools[i].model->keypointNames();
             for (size_t j = 0; j < names.size(); j++)
                 detection_.at(0, names[j]);   // in the order of the tool file, whatever is seen first
@@ -107,7 +140,7 @@ public:
     {
         common::FrameReader reader(*data_.sequence, 0);
         const int count = frames > 0 ? std::min(frames, reader.count()) : reader.count();
-        const int step = 1 + (std::max(count, 1) - 1) / MAX_FRAMES;
+        const int step = 1 + (std::max(count, 1) - 1) / MAX_DETECTION_FRAMES;
         common::Progress progress(count, quiet);
         Mat image;
         for (int frame = 0; frames == 0 || frame < frames; frame++)
@@ -116,8 +149,8 @@ public:
                 break;   // the tracker's run tells if it should have gone on
             if (frame % step)
                 continue;
-            finder_->setImage(image);
-            finder_->prepare();
+            finder_.setImage(image);
+            finder_.prepare();
             look(frame);
             progress.show(frame + 1);
         }
@@ -125,26 +158,13 @@ public:
     }
 
 private:
-    enum { MAX_FRAMES = 300 };
-
-    // The true state of all tools. false: there is none of some tool.
-    bool readTruth(int frame)
-    {
-        data_.joints(frame, joints_);
-        truths_.resize(data_.tools.size());
-        for (int i = 0; i < (int)data_.tools.size(); i++)
-            if (!data_.truth(i, frame, truths_[i]))
-                return false;
-        return true;
-    }
-
-    void place(const std::vector<Matx44d>& camera_T_base, bool trueJoints)
+    void place(const std::vector<Matx44d>& camera_T_base)
     {
         views_.resize(data_.tools.size());
         for (size_t i = 0; i < data_.tools.size(); i++)
         {
             views_[i].camera_T_base = camera_T_base[i];
-            data_.tools[i].model->forwardKinematics(trueJoints ? truths_[i].joints : joints_[i], views_[i].base_T_link);
+            data_.tools[i].model->forwardKinematics(joints_[i], views_[i].base_T_link);
         }
     }
 
@@ -162,49 +182,24 @@ private:
         return rigid(rotationFromVector(turn) * rotationOf(camera_T_tool), t + shift);
     }
 
-    // True points of one tool, by keypoint, in the reduced image; those that are not visible are missing.
-    std::map<int, Point2d> visibleKeypoints(int frame, int tool)
-    {
-        std::map<int, Point2d> result;
-        if (data_.sequence->hasKeypoints())
-        {
-            const std::map<int, Point2d> points = data_.visibleKeypoints(tool, frame);
-            for (std::map<int, Point2d>::const_iterator it = points.begin(); it != points.end(); ++it)
-                result[it->first] = Point2d((it->second.x + 0.5) / finder_->reduction() - 0.5, (it->second.y + 0.5) / finder_->reduction() - 0.5);
-            return result;
-        }
-        std::vector<Matx44d> bases;
-        for (int i = 0; i < (int)data_.tools.size(); i++)
-        {
-            if (truths_[i].joints.empty())
-                fail(data_.sequence->groundTruthFile() + ": expected the true joints of tool '" + data_.tools[i].info.name +
-                     "', or a keypoints.csv beside it");
-            bases.push_back(data_.camera_T_base(i, truths_[i].camera_T_tool, truths_[i].joints));
-        }
-        place(bases, true);
-        finder_->draw(views_, tool, drawing_);
-        for (size_t i = 0; i < drawing_.templates.size(); i++)
-            result[drawing_.templates[i].part] = drawing_.templates[i].imagePoint;
-        return result;
-    }
-
     void look(int frame)
     {
-        if (!readTruth(frame))
+        data_.joints(frame, joints_);
+        if (!truths_.read(frame))
             return;
         std::vector<Matx44d> bases[VARIANTS];
         for (int i = 0; i < (int)data_.tools.size(); i++)
         {
             bases[0].push_back(data_.tools[i].info.nominal_T_base);
-            bases[1].push_back(data_.camera_T_base(i, perturbed(truths_[i].camera_T_tool), joints_[i]));
+            bases[1].push_back(data_.camera_T_base(i, perturbed(truths_.truth(i).camera_T_tool), joints_[i]));
         }
         for (int tool = 0; tool < (int)data_.tools.size(); tool++)
         {
-            const std::map<int, Point2d> visible = visibleKeypoints(frame, tool);
+            const std::map<int, Point2d> visible = truths_.visible(tool);
             for (int variant = 0; variant < VARIANTS; variant++)
             {
-                place(bases[variant], false);
-                finder_->draw(views_, tool, drawing_);
+                place(bases[variant]);
+                finder_.draw(views_, tool, drawing_);
                 search(variant, data_.tools[tool].model->keypoints(), visible);
             }
         }
@@ -212,7 +207,7 @@ private:
 
     void search(int variant, const std::vector<ToolModel::Keypoint>& keypoints, const std::map<int, Point2d>& visible)
     {
-        finder_->find(drawing_, PartWindows(cvRound((variant == 0 ? 120 : 40) * pixel_)), *verifier_, found_);
+        finder_.find(drawing_, PartWindows(cvRound((variant == 0 ? 120 : 40) * pixel_)), *verifier_, found_);
         const std::vector<PartTemplate>& templates = drawing_.templates;
         const std::vector<PartMatch>& matches = found_.matches;
         for (std::map<int, Point2d>::const_iterator it = visible.begin(); it != visible.end(); ++it)
@@ -225,20 +220,11 @@ private:
             DetectionCount& count = detection_.at(variant, keypoints[truth->first].name);
             count.samples++;
             count.prior += norm(templates[i].imagePoint - truth->second) / pixel_;
-            double nearest = DBL_MAX;
-            int rank = 0;
-            for (size_t j = 0; j <= matches.size() && rank < MAX_TOP_N; j++)
-            {
-                const bool end = j == matches.size();
-                if (!end && matches[j].templateIndex != (int)i)
-                    continue;
-                if (!end)
-                    nearest = std::min(nearest, norm(matches[j].imagePoint - truth->second) / pixel_);
-                // A part with fewer candidates than N has no more to offer.
-                for (const int last = end ? MAX_TOP_N : rank + 1; rank < last; rank++)
-                    for (int k = 0; k < THRESHOLDS; k++)
-                        count.hits[k][rank] += nearest <= thresholdPixels(k);
-            }
+            std::vector<double> distances;
+            for (size_t j = 0; j < matches.size(); j++)
+                if (matches[j].templateIndex == (int)i)
+                    distances.push_back(norm(matches[j].imagePoint - truth->second) / pixel_);
+            count.addHits(distances);
         }
     }
 
@@ -246,11 +232,10 @@ private:
     RNG rng_;
     double pixel_;   // of an image 720 pixel wide, in pixels of ours
     CameraModel camera_;
-    Ptr<PartTemplateRenderer> renderer_;
-    Ptr<PartFinder> finder_;
+    TrueParts truths_;
+    PartFinder& finder_;
     Ptr<GeometricContextVerifier> verifier_;
     std::vector<std::vector<double> > joints_;
-    std::vector<Truth> truths_;
     std::vector<ToolView> views_;
     PartDrawing drawing_;
     FoundParts found_;

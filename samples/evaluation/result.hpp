@@ -21,6 +21,7 @@ struct Result
     std::vector<std::vector<String> > coordinates;    //!< of the joints, a tool
     std::vector<Run> runs;
     Detection detection;
+    BaselineCounts gradboost;
 };
 
 //! A row of numbers that is written or read: there is one order of the fields for both.
@@ -175,6 +176,14 @@ inline void load(const String& filename, Result& result)
         child(root, "parts") >> result.detection.parts;
         for (int i = 0; i < VARIANTS; i++)
             result.detection.counts[i] = itemsOf<DetectionCount>(child(root, variantName(i)));
+        const FileNode gradboost = root["gradboost"];
+        if (!gradboost.empty())
+        {
+            child(gradboost, "parts") >> result.gradboost.parts;
+            result.gradboost.counts = itemsOf<DetectionCount>(child(gradboost, "image"));
+            if (result.gradboost.counts.size() != result.gradboost.parts.size())
+                fail("'gradboost' has not the same number of parts and counts");
+        }
     }
     catch (const Exception& e)
     {
@@ -198,6 +207,8 @@ inline void save(const String& filename, const Result& result)
     file << "]" << "parts" << result.detection.parts;
     for (int i = 0; i < VARIANTS; i++)
         file << variantName(i) << tableOf(result.detection.counts[i]);
+    if (!result.gradboost.parts.empty())
+        file << "gradboost" << "{" << "parts" << result.gradboost.parts << "image" << tableOf(result.gradboost.counts) << "}";
     file.release();
     Result written;
     load(part, written);   // on a full disk it is cut

@@ -140,33 +140,46 @@ inline void writeTimings(const String& filename, const Results& results)
     file.finish();
 }
 
-inline void writeDetection(TextFile& file, const String& sequence, int variant, const String& part, const DetectionCount& count)
+//! @param detector for a last column; empty: there is none
+inline void writeDetection(TextFile& file, const String& sequence, const String& variant, const String& part, const DetectionCount& count,
+                           const String& detector)
 {
     for (int k = 0; k < THRESHOLDS; k++)
         for (int n = 0; n < MAX_TOP_N; n++)
-            file << sequence + "," + variantName(variant) + "," + part +
-                        format(",%d,%d,%s,%d,%d,%s\n", thresholdPixels(k), n + 1, cell(count.rate(k, n)).c_str(), count.samples, count.visible,
-                               cell(count.samples ? count.prior / count.samples : unknown(), 4).c_str());
+            file << sequence + "," + variant + "," + part +
+                        format(",%d,%d,%s,%d,%d,%s", thresholdPixels(k), n + 1, cell(count.rate(k, n)).c_str(), count.samples, count.visible,
+                               cell(count.samples ? count.prior / count.samples : unknown(), 4).c_str()) +
+                        (detector.empty() ? String() : "," + detector) + "\n";
 }
 
 inline void writeDetections(const String& filename, const Results& results)
 {
     TextFile file(filename);
-    file << "sequence,variant,part,threshold_px,top_n,rate,samples,visible,prior_px\n";
     Detection sum;
+    BaselineCounts baselineSum;
+    for (size_t i = 0; i < results.size(); i++)
+    {
+        sum.add(results[i]->detection);
+        baselineSum.add(results[i]->gradboost);
+    }
+    const bool baselines = !baselineSum.parts.empty();
+    const String qgo = baselines ? "qgo" : "";
+    file << String("sequence,variant,part,threshold_px,top_n,rate,samples,visible,prior_px") + (baselines ? ",detector\n" : "\n");
     for (size_t i = 0; i <= results.size(); i++)
     {
-        const bool last = i == results.size();
-        const Detection& detection = last ? sum : results[i]->detection;
+        const Detection& detection = i == results.size() ? sum : results[i]->detection;
+        const BaselineCounts& gradboost = i == results.size() ? baselineSum : results[i]->gradboost;
         const String sequence = labelOf(results, i);
         for (int variant = 0; variant < VARIANTS; variant++)
         {
             for (size_t part = 0; part < detection.parts.size(); part++)
-                writeDetection(file, sequence, variant, detection.parts[part], detection.counts[variant][part]);
-            writeDetection(file, sequence, variant, "all", detection.all(variant));
+                writeDetection(file, sequence, variantName(variant), detection.parts[part], detection.counts[variant][part], qgo);
+            writeDetection(file, sequence, variantName(variant), "all", detection.all(variant), qgo);
         }
-        if (!last)
-            sum.add(detection);
+        for (size_t part = 0; part < gradboost.parts.size(); part++)
+            writeDetection(file, sequence, "image", gradboost.parts[part], gradboost.counts[part], "gradboost");
+        if (baselines)
+            writeDetection(file, sequence, "image", "all", gradboost.all(), "gradboost");
     }
     file.finish();
 }
