@@ -1138,7 +1138,7 @@ class ToolTracker:
         minInitialInliers: int
         """matches needed for a first pose (paper's release: more than 6); METHOD_FULL: to count as tracking at once, else five"""
         minInitialSimilarity: float
-        """their least mean similarity; bare tissue, real or rendered, gives less than 0.6, a tool 0.7 and more. Not METHOD_FULL, which has the outline too"""
+        """their least mean similarity; bare tissue gives up to 0.6, a tool 0.75 and more. Not METHOD_FULL, which has the outline too"""
         confirmFrames: int
         """frames that must confirm a first pose before it counts as tracking; METHOD_FULL needs none where the evidence is strong"""
         coastingTime: float
@@ -1149,7 +1149,7 @@ class ToolTracker:
     class Stages:
         """Parameters of the stages that a tracker is made of. Pixels are those of an image 720 pixels wide. What a method or
         Params decide is overruled: wholeTool of templates (METHOD_FULL), seed and minInliers of the verifier, its zones and limits
-        (METHOD_PAPER, METHOD_EPNP), halfWindow of edges.
+        and contrast of the matcher (METHOD_PAPER, METHOD_EPNP), halfWindow of edges.
         """
         def __init__(self) -> None: ...
         templates: PartTemplateRenderer.Params
