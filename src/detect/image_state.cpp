@@ -12,7 +12,7 @@ namespace {
 const int spacing = 8;             // of samples [pixel]
 
 /* Of an image without fields rows that are nearer differ less; of noise alone both differences are the same, to a twentieth in a
-   block's 1300 samples. Motion across upright edges by a pixel and more makes the nearer ones larger. */
+   block's 190 samples. Motion across upright edges by a pixel and more makes the nearer ones larger. */
 const int combBlock = 96;          // [pixel]
 const double combRatio = 1.25, combDifference = 4;   // of the differences; least mean of the nearer ones [grey levels]
 const int combBlocks = 2;          // one alone may be a ribbed jaw
@@ -25,20 +25,21 @@ const double leastSurround = 0.03; // of the image: a pillar of 20 pixels; less 
 
 } // namespace
 
-bool isInterlaced(const Mat& image)
+bool isInterlaced(const Mat& image, int reduction)
 {
     if (image.rows < 8) return false;
     const int channels = image.channels(), channel = channels / 2;   // green tells most of the light
+    const int block = combBlock * reduction;
     int combed = 0;
-    for (int top = 0; top + combBlock / 2 <= image.rows; top += combBlock)
-        for (int left = 0; left + combBlock / 2 <= image.cols; left += combBlock)
+    for (int top = 0; top + block / 2 <= image.rows; top += block)
+        for (int left = 0; left + block / 2 <= image.cols; left += block)
         {
             int nearer = 0, farther = 0, count = 0;
-            const int bottom = std::min(top + combBlock, image.rows - 2), right = std::min(left + combBlock, image.cols);
-            for (int y = top; y < bottom; y += 6)
+            const int bottom = std::min(top + block, image.rows - 2), right = std::min(left + block, image.cols);
+            for (int y = top; y < bottom; y += 6 * reduction)
             {
                 const uchar *a = image.ptr(y) + channel, *b = image.ptr(y + 1) + channel, *c = image.ptr(y + 2) + channel;
-                for (int x = left; x < right; x += 4, count++)
+                for (int x = left; x < right; x += 8 * reduction, count++)
                 {
                     nearer += std::abs(a[x * channels] - b[x * channels]);
                     farther += std::abs(a[x * channels] - c[x * channels]);
@@ -169,21 +170,22 @@ void VisibleRegion::fill(const Rect& window, Mat& mask) const
     }
 }
 
-void ImageSamples::look(const Mat& image)
+void ImageSamples::look(const Mat& image, int reduction)
 {
+    spacing_ = spacing * reduction;
     const int channels = image.channels(), channel = channels / 2;
-    const Size grid((image.cols + spacing - 1) / spacing, (image.rows + spacing - 1) / spacing);
+    const Size grid((image.cols + spacing_ - 1) / spacing_, (image.rows + spacing_ - 1) / spacing_);
     std::swap(now_, before_);
     if (grid != grid_) before_.clear();
     grid_ = grid;
     now_.resize(grid.area());
     for (int y = 0; y < grid.height; y++)
-        for (int x = 0; x < grid.width; x++) now_[size_t(y) * grid.width + x] = image.ptr(y * spacing)[x * spacing * channels + channel];
+        for (int x = 0; x < grid.width; x++) now_[size_t(y) * grid.width + x] = image.ptr(y * spacing_)[x * spacing_ * channels + channel];
 }
 
 double ImageSamples::change(const Rect& region) const
 {
-    const Rect cells = Rect(region.x / spacing, region.y / spacing, region.width / spacing + 1, region.height / spacing + 1) & Rect(Point(), grid_);
+    const Rect cells = Rect(region.x / spacing_, region.y / spacing_, region.width / spacing_ + 1, region.height / spacing_ + 1) & Rect(Point(), grid_);
     if (before_.empty() || cells.empty()) return DBL_MAX;
     int sum = 0;
     for (int y = cells.y; y < cells.y + cells.height; y++)

@@ -11,7 +11,8 @@
 namespace cv { namespace surgtrack {
 
 //! Two fields in one image, of different times: rows next to each other differ more than those that are two apart.
-bool isInterlaced(const Mat& image);
+//! @param reduction of an image that is so many times as large, as many pixels are looked at
+bool isInterlaced(const Mat& image, int reduction);
 
 //! The first field of an image, its missing rows as the mean of their neighbours. @param field result, not the image
 void takeField(const Mat& image, Mat& field);
@@ -48,11 +49,13 @@ private:
 class ImageSamples
 {
 public:
-    void look(const Mat& image);
+    //! @param reduction see isInterlaced()
+    void look(const Mat& image, int reduction);
     //! Mean difference from the image before in a region [grey levels]; DBL_MAX without one.
     double change(const Rect& region) const;
 
 private:
+    int spacing_ = 1;   // [pixel]
     Size grid_;
     std::vector<uchar> now_, before_;
 };

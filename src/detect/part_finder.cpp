@@ -119,14 +119,14 @@ void PartFinderImpl::setImage(const Mat& image)
     checkImage(image);
     CV_Assert(image.size() == imageSize_ && "image: of the camera's size");
     image_ = image;
-    interlaced_ = cv::surgtrack::isInterlaced(image);
+    interlaced_ = cv::surgtrack::isInterlaced(image, reduction_);
     if (interlaced_)
     {
         takeField(image, field_);
         image_ = field_;
     }
     visible_.look(image_);
-    samples_.look(image_);
+    samples_.look(image_, reduction_);
     prepared_ = Rect();
 }
 

@@ -83,6 +83,7 @@ private:
     void placeInstances(const std::vector<ToolView>& views, int tool, const Matx44d& moved);
     void light();
     void cut(PartTemplate& t, const Size2d& box, int id);
+    void keepVisible(const CameraModel& camera, int tool, size_t parts, std::vector<PartTemplate>& templates);
 
     Ptr<MeshRenderer> renderer_;
     Params params_;
@@ -270,14 +271,20 @@ void PartTemplateRendererImpl::render(const CameraModel& camera, const std::vect
     orientations_ = keptImage(orientationMemory_, window.size());
     quantize(picture_, Rect(Point(), picture_.size()), leastStrength(params_.magnitudeThreshold), orientations_, workspace_);
 
-    // Features are swapped, not copied, between these and the caller's templates of the frame before.
+    keepVisible(camera, tool, parts, templates);
+}
+
+// Cuts the templates of the parts that are seen; the caller's of the frame before lend their memory: features are swapped, not copied.
+void PartTemplateRendererImpl::keepVisible(const CameraModel& camera, int tool, size_t parts, std::vector<PartTemplate>& templates)
+{
+    const Tool& own = tools_[tool];
     size_t kept = 0;
     for (size_t i = 0; i < parts; i++)
     {
         PartTemplate& t = parts_[i];
         const double slack = own.isTip[t.part] ? params_.tipDepthSlack : params_.depthSlack;
         // Its neighbours too: keypoints on an outline project beside it as often as on it.
-        if (!isVisible(depth_, ids_, t.anchor - window.tl(), 1, t.viewPoint.z, tool + 1, slack)) continue;
+        if (!isVisible(depth_, ids_, t.anchor - window_.tl(), 1, t.viewPoint.z, tool + 1, slack)) continue;
         cut(t, Size2d(params_.boxSize * camera.fx / t.viewPoint.z, params_.boxSize * camera.fy / t.viewPoint.z), tool + 1);
         if (int(t.features.size()) < params_.minFeatures) continue;
         if (kept == templates.size())
