@@ -159,17 +159,6 @@ bool VisibleRegion::sees(const Point2d& p) const
     return p.x >= 0 && p.y >= 0 && x < blocks_.width && y < blocks_.height && !hidden_[size_t(y) * blocks_.width + x];
 }
 
-void VisibleRegion::fill(const Rect& window, Mat& mask) const
-{
-    mask.create(window.size(), CV_8UC1);
-    for (int y = 0; y < window.height; y++)
-    {
-        const uchar* hidden = &hidden_[size_t((window.y + y) / surroundBlock) * blocks_.width];
-        uchar* row = mask.ptr(y);
-        for (int x = 0; x < window.width; x++) row[x] = hidden[(window.x + x) / surroundBlock] ? 0 : 255;
-    }
-}
-
 void ImageSamples::look(const Mat& image, int reduction)
 {
     spacing_ = spacing * reduction;

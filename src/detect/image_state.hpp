@@ -30,8 +30,6 @@ public:
     //! Whether there is anything that is not seen.
     bool isPartial() const { return partial_; }
     bool sees(const Point2d& p) const;
-    //! 255 where something may be seen. @param window of the image
-    void fill(const Rect& window, Mat& mask) const;
 
 private:
     void findSurround(const Mat& image, std::vector<uchar>& dark) const;
