@@ -28,6 +28,8 @@ const double staleChange = 0.5;        // mean over samples [grey levels]
 const double staleShift = 1;           // of a keypoint [pixel at 720 px image width]
 const double staleMargin = 30;         // about the keypoints [pixel at 720 px image width]
 
+const int unsureFrames = 4;            // that a first pose may stay without being confirmed: others come to their turn
+
 const double supportDrop = 0.1;        // twice what it changes from frame to frame
 
 // The right eye is left out where it sees so much less of the outline than the left one, in so many frames in a row.
@@ -66,7 +68,8 @@ void FullMethod::reset()
     trackedSupport_ = 0;
     searches_ = boosted_ = disagreed_ = 0;
     eyes_ = 2;
-    searched_ = false;
+    searched_ = isSeen_ = false;
+    logOdds_ = 0;
 }
 
 const ToolView& FullMethod::predict(const std::vector<double>& joints)
@@ -167,7 +170,7 @@ bool FullMethod::follow(Scene& scene, const PartDrawing* ahead)
         keepPose(without_);
         filter_->inflate(pushRotation, pushTranslation);
         correct(scene);
-        if (evidence_.sum(thresholds_) > without_.evidence.sum(thresholds_) + thresholds_.pushedGain) boosted_ = pushedFrames;
+        if (evidence_.logOdds() > without_.evidence.logOdds() + thresholds_.pushedGain) boosted_ = pushedFrames;
         else
         {
             setPose(without_);
@@ -176,7 +179,7 @@ bool FullMethod::follow(Scene& scene, const PartDrawing* ahead)
     }
     if (evidence_.support < trackedSupport_ - supportDrop) correctNearby(scene);
     judgeEyes(scene);
-    if (evidence_.continues(thresholds_, state_) && plausible(scene.camera(), filter_->correction(), inliers_)) return true;
+    if (continues(scene) && plausible(scene.camera(), filter_->correction(), inliers_)) return true;
     filter_->undo();
     inliers_.clear();
     return false;
@@ -241,7 +244,22 @@ void FullMethod::correctNearby(Scene& scene)
     evidence_.points = correctPoints(scene, eyes(scene)) > 0;
     if (!evidence_.points) filter_->undo();
     refine(scene, nearPass);
-    if (evidence_.sum(thresholds_) < far_.evidence.sum(thresholds_) + thresholds_.pushedGain) setPose(far_);
+    if (evidence_.logOdds() < far_.evidence.logOdds() + thresholds_.pushedGain) setPose(far_);
+}
+
+/* What the tool's own past tells of a pose that follows from it: as sure as a pose was, and the less the longer it has not been seen. */
+double FullMethod::prior(double time) const
+{
+    if (searched_ || (state_ != STATE_TRACKING && state_ != STATE_COASTING)) return 0;
+    const double unseen = state_ == STATE_TRACKING ? 0 : (time - lastSeen_) / std::max(params_.coastingTime, DBL_EPSILON);
+    return std::min(logOdds_, thresholds_.prior) * std::max(0., 1 - unseen);
+}
+
+bool FullMethod::continues(const Scene& scene) const
+{
+    const double past = prior(scene.time), all = evidence_.logOdds() + past;
+    // A first pose that is neither confirmed nor refuted makes room for others.
+    return past > 0 ? all >= thresholds_.followed : evidence_.points && all >= thresholds_.first && confirmed_ <= params_.confirmFrames + unsureFrames;
 }
 
 // The state after a frame.
@@ -249,12 +267,14 @@ void FullMethod::conclude(const Scene& scene, bool seen)
 {
     if (seen)
     {
+        const double past = prior(scene.time), own = evidence_.logOdds();
         lastSeen_ = scene.time;
         confirmed_++;
         const bool sure = state_ == STATE_INITIALIZING && evidence_.isSure(thresholds_, params_.minInitialInliers);
-        const bool followed = !searched_ && (state_ == STATE_TRACKING || state_ == STATE_COASTING);
-        if (!followed && state_ == STATE_TRACKING) state_ = STATE_COASTING;   // found elsewhere: to be confirmed
-        if (followed || sure || confirmed_ > params_.confirmFrames)
+        const bool confirmed = confirmed_ > params_.confirmFrames && own >= thresholds_.confirmed;
+        if (searched_ && state_ == STATE_TRACKING) state_ = STATE_COASTING;   // found elsewhere: to be confirmed
+        logOdds_ = own + past;
+        if (past > 0 || sure || confirmed)
         {
             state_ = STATE_TRACKING;
             searches_ = 0;
@@ -281,6 +301,7 @@ void FullMethod::conclude(const Scene& scene, bool seen)
         if (state_ == STATE_TRACKING) state_ = STATE_COASTING;
         if (state_ == STATE_COASTING && scene.time - lastSeen_ > params_.coastingTime) state_ = STATE_LOST;
     }
+    isSeen_ = seen;
     trackedSupport_ = state_ == STATE_TRACKING ? evidence_.support : 0;
     correction_ = filter_->correction();
     evidence_.similarity = meanSimilarity(inliers_);
@@ -331,6 +352,7 @@ void FullMethod::report(ToolEstimate& e) const
     e.covariance = filter_->poseCovariance();
     std::copy(filter_->offsets().begin(), filter_->offsets().end(), e.jointOffsets.begin());
     e.joints = filter_->joints();
+    e.confidence = isSeen_ ? probability(logOdds_) : 0;
 }
 
 }} // namespace cv::surgtrack

@@ -69,6 +69,8 @@ private:
     const ToolView& seenBy(const PartFinder& eye);
     size_t eyes(const Scene& scene) const { return std::min(scene.open, eyes_); }
     void judgeEyes(Scene& scene);
+    double prior(double time) const;
+    bool continues(const Scene& scene) const;
     void conclude(const Scene& scene, bool seen);
     void moveStates(const std::function<void(ArticulatedPoseEKF&)>& move);
 
@@ -79,6 +81,8 @@ private:
     ArticulatedPoseEKF::State placed_;     // the filter before this frame,
     ArticulatedPoseEKF::State sure_;       // and when the tool was last tracked
     std::vector<double> shownJoints_;      // readings of the last image that was a new one
+    double logOdds_;                       // that the last pose seen is right
+    bool isSeen_;                          // in this frame
     double trackedSupport_;                // of the frame before, if it was tracked
     int searches_;                         // since the tool was last seen
     bool searched_;                        // the pose is that of a search, and not confirmed yet

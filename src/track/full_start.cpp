@@ -12,14 +12,22 @@ namespace {
 
 const int fitted = 3, fitRounds = 4;    // so many of the nine hypotheses are fitted, in so many rounds
 const int looseFrames = 15;             // after a first pose, which may be the wrong one of two that look alike in one frame
+const double startTurn = 10 * CV_PI / 180;   // two and a half times what a calibration is taken to be off by in each direction [rad]
 const double searchRotation = 4 * CV_PI / 180, searchTranslation = 0.008;   // how far a lost tool may be from where it was, as the calibration may [rad, m]
 
 } // namespace
 
-// About the calibration, and every other time about what the camera's motion, as another tool saw it, makes of it.
+/* About the calibration, and every other time about what the camera's motion, as another tool saw it, makes of it. The nine hypotheses
+   scale and turn the image; further attempts, of later frames, turn the tool out of it. */
 bool FullMethod::start(Scene& scene)
 {
-    filter_->reset(searches_++ % 2 ? scene.cameraMotion * calibration_ : calibration_);
+    static const Vec3d turns[] = {Vec3d(0, 0, 0), Vec3d(startTurn, 0, 0), Vec3d(0, startTurn, 0), Vec3d(-startTurn, 0, 0), Vec3d(0, -startTurn, 0)};
+    const bool moved = scene.cameraMotion != Matx44d::eye();
+    const int attempt = searches_++;
+    const Matx44d from = moved && attempt % 2 ? scene.cameraMotion * calibration_ : calibration_;
+    const Matx33d R = exponential(turns[(moved ? attempt / 2 : attempt) % 5]);
+    const Point3d centre = transform(from, nominalPoints_[0]);
+    filter_->reset(rigidTransform(R, centre - R * centre) * from);
     filter_->predict(joints_);
     if (beginAnew(scene, 0, hypotheses - 1)) return true;
     filter_->reset(calibration_);   // until there is a pose, it is that of the tool's own kinematics
@@ -69,7 +77,7 @@ bool FullMethod::beginAnew(Scene& scene, int first, int last)
             eyes_ = count;
             filter_->setState(vague);
             fit(scene, candidates[k]);
-            const double merit = evidence_.merit(thresholds_) - (count < scene.open ? thresholds_.pushedGain : 0);
+            const double merit = evidence_.logOdds() - (count < scene.open ? thresholds_.pushedGain : 0);
             if (merit <= most || !evidence_.isFirstPose(thresholds_) || !plausible(scene.camera(), filter_->correction(), inliers_)) continue;
             most = merit;
             best = pose();
@@ -106,7 +114,7 @@ void FullMethod::fit(Scene& scene, const StartCandidate& candidate)
         visibleParts_ = int(sights_[0].cut->templates.size());
         if (round == 0) correctPoints(scene, eyes(scene));
         refine(scene, round < 2 ? startPass : trackPass);
-        const double merit = evidence_.merit(thresholds_);
+        const double merit = evidence_.logOdds();
         if (merit < most) continue;
         most = merit;
         best = pose();
