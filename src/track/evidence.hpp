@@ -44,7 +44,7 @@ struct EvidenceThresholds
 //! What a pose has to show for itself, that the filter does not know.
 struct Evidence
 {
-    Evidence() : similarity(0), support(0), nis(0), parts(0), points(false) { eyeSupport[0] = eyeSupport[1] = 0; }
+    Evidence() : similarity(0), support(0), nis(0), parts(0), points(false), plausible(true) { eyeSupport[0] = eyeSupport[1] = 0; }
 
     double similarity;   // mean, of the parts that went into the pose
     double support;      // share of the outline with its strongest edge where the pose has it
@@ -52,10 +52,12 @@ struct Evidence
     double nis;          // of the points, per degree of freedom
     int parts;           // that went into the pose
     bool points;         // whether any did, not only the outline
+    bool plausible;      // whether a calibration's error may be that large, and the parts lie where the pose has them
 
     //! Of the pose being right, by this frame alone.
     double logOdds(const EvidenceModel& m = EvidenceModel()) const
     {
+        if (!plausible) return m.constant;
         return m.constant + m.parts * std::sqrt(parts * std::max(0., similarity - m.tissue)) + m.support * support
                - m.nis * std::sqrt(std::min(nis, m.mostNis));
     }

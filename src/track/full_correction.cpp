@@ -122,6 +122,7 @@ double FullMethod::refine(Scene& scene, int firstPass)
     evidence_.support = support(scene);
     evidence_.similarity = meanSimilarity(inliers_);
     evidence_.parts = int(inliers_.size());
+    evidence_.plausible = plausible(scene.camera(), filter_->correction(), inliers_);
     return likelihood;
 }
 

@@ -30,7 +30,9 @@ const double staleMargin = 30;         // about the keypoints [pixel at 720 px i
 
 const int unsureFrames = 4;            // that a first pose may stay without being confirmed: others come to their turn
 
-const double supportDrop = 0.1;        // twice what it changes from frame to frame
+const double unusual = 0.75;           // log odds less than in the frames before: what they change by from frame to frame
+const double usualFrames = 5;          // that they are averaged over
+const double depthStep = 0.003;        // [m]; half of what the two basins of depth were apart where they were seen
 
 // The right eye is left out where it sees so much less of the outline than the left one, in so many frames in a row.
 const double eyeDisagreement = 0.25;
@@ -65,7 +67,7 @@ void FullMethod::reset()
     filter_->reset();
     placed_ = sure_ = filter_->state();
     shownJoints_.assign(coordinates_, 0.);
-    trackedSupport_ = 0;
+    usual_ = -DBL_MAX;
     searches_ = boosted_ = disagreed_ = 0;
     eyes_ = 2;
     searched_ = isSeen_ = false;
@@ -170,16 +172,16 @@ bool FullMethod::follow(Scene& scene, const PartDrawing* ahead)
         keepPose(without_);
         filter_->inflate(pushRotation, pushTranslation);
         correct(scene);
-        if (evidence_.logOdds() > without_.evidence.logOdds() + thresholds_.pushedGain) boosted_ = pushedFrames;
+        if (isBetter(without_)) boosted_ = pushedFrames;
         else
         {
             setPose(without_);
             if (evidence_.nis > pushedNis) correctByOutline(scene);   // the set of points is a false one
         }
     }
-    if (evidence_.support < trackedSupport_ - supportDrop) correctNearby(scene);
+    if (boosted_ || evidence_.logOdds() < usual_ - unusual) correctAnew(scene);
     judgeEyes(scene);
-    if (continues(scene) && plausible(scene.camera(), filter_->correction(), inliers_)) return true;
+    if (continues(scene)) return true;
     filter_->undo();
     inliers_.clear();
     return false;
@@ -235,16 +237,40 @@ void FullMethod::correctByOutline(Scene& scene)
     refine(scene, trackPass);
 }
 
-/* Much less of the outline is found than in the frame before: edges of something else may have pulled the pose away. Once more, with
-   edges that are near to where the points have it. */
-void FullMethod::correctNearby(Scene& scene)
+/* Much less is explained than in the frames before: edges of something else may have pulled the pose away, most easily in depth. Once
+   more with edges that are near to where the points have it, and from nearer and farther; what explains clearly more is kept. */
+void FullMethod::correctAnew(Scene& scene)
 {
     keepPose(far_);
     filter_->undo();
+    const ArticulatedPoseEKF::State predicted = filter_->state();
     evidence_.points = correctPoints(scene, eyes(scene)) > 0;
     if (!evidence_.points) filter_->undo();
     refine(scene, nearPass);
-    if (evidence_.logOdds() < far_.evidence.logOdds() + thresholds_.pushedGain) setPose(far_);
+    if (isBetter(far_)) keepPose(far_);
+    if (far_.evidence.nis > pushedNis)   // the set of points may be a false one
+    {
+        correctByOutline(scene);
+        if (isBetter(far_)) keepPose(far_);
+    }
+    for (int side = -1; side <= 1; side += 2)
+    {
+        const Point3d at = transform(predicted.corrected.correction, nominalPoints_[0]);
+        ArticulatedPoseEKF::State moved = predicted;
+        const Matx44d shift = rigidTransform(Matx33d::eye(), at * (side * depthStep / norm(at)));
+        moved.predicted.correction = shift * moved.predicted.correction;
+        moved.corrected.correction = shift * moved.corrected.correction;
+        filter_->setState(moved);
+        filter_->inflate(0, depthStep);
+        correct(scene);
+        if (isBetter(far_)) keepPose(far_);
+    }
+    setPose(far_);
+}
+
+bool FullMethod::isBetter(const Pose& other) const
+{
+    return evidence_.logOdds() > other.evidence.logOdds() + thresholds_.pushedGain;
 }
 
 /* What the tool's own past tells of a pose that follows from it: as sure as a pose was, and the less the longer it has not been seen. */
@@ -302,7 +328,8 @@ void FullMethod::conclude(const Scene& scene, bool seen)
         if (state_ == STATE_COASTING && scene.time - lastSeen_ > params_.coastingTime) state_ = STATE_LOST;
     }
     isSeen_ = seen;
-    trackedSupport_ = state_ == STATE_TRACKING ? evidence_.support : 0;
+    if (state_ != STATE_TRACKING) usual_ = -DBL_MAX;
+    else usual_ = usual_ == -DBL_MAX ? evidence_.logOdds() : usual_ + (evidence_.logOdds() - usual_) / usualFrames;
     correction_ = filter_->correction();
     evidence_.similarity = meanSimilarity(inliers_);
     evidence_.parts = int(inliers_.size());

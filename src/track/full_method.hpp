@@ -58,7 +58,8 @@ private:
     bool correct(Scene& scene);
     int correctPoints(Scene& scene, size_t eyes);
     void correctByOutline(Scene& scene);
-    void correctNearby(Scene& scene);
+    void correctAnew(Scene& scene);
+    bool isBetter(const Pose& other) const;
     void dropPoints(Scene& scene);
     int addPoints(Scene& scene, size_t eyes, double tolerance);
 
@@ -83,7 +84,7 @@ private:
     std::vector<double> shownJoints_;      // readings of the last image that was a new one
     double logOdds_;                       // that the last pose seen is right
     bool isSeen_;                          // in this frame
-    double trackedSupport_;                // of the frame before, if it was tracked
+    double usual_;                         // log odds of the frames before by their own evidence
     int searches_;                         // since the tool was last seen
     bool searched_;                        // the pose is that of a search, and not confirmed yet
     size_t eyes_;                          // that are believed to stand where they are said to

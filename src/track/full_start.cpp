@@ -78,7 +78,7 @@ bool FullMethod::beginAnew(Scene& scene, int first, int last)
             filter_->setState(vague);
             fit(scene, candidates[k]);
             const double merit = evidence_.logOdds() - (count < scene.open ? thresholds_.pushedGain : 0);
-            if (merit <= most || !evidence_.isFirstPose(thresholds_) || !plausible(scene.camera(), filter_->correction(), inliers_)) continue;
+            if (merit <= most || !evidence_.isFirstPose(thresholds_)) continue;
             most = merit;
             best = pose();
         }
