@@ -13,6 +13,8 @@ ContourSearch::ContourSearch() : halfWindow(8), preference(0.5), minStrength(6),
 namespace {
 
 const int maxHalf = 40;   // [pixel]
+const float rampEnergy = 0.25f;   // of the steepest place: where the gradient is half of it
+const int rampWidth = 5;          // [pixel]; edges of a sharp image are narrower
 
 // The image along a normal, a sample a pixel, bilinear.
 template <int channels> void readProfile(const Mat& image, const Point2d& from, const Point2d& step, int n, float* profile)
@@ -146,6 +148,21 @@ int matchContour(InputArray _image, std::vector<ContourPoint>& points, const Con
         else if (linear[3] > linear[2]) at = 3;
         c.offset = best - reach + at - 2 + vertex(linear[at - 1], linear[at], linear[at + 1]);
         c.offset = std::min(std::max(c.offset, best - reach - 1.5), best - reach + 1.5);
+        // A blurred edge is a ramp as wide as the blur, and has no steepest place: its middle is where the edge is.
+        int l = best, r = best;
+        while (l > 2 && energy[l - 1] > rampEnergy * energy[best]) l--;
+        while (r < n - 3 && energy[r + 1] > rampEnergy * energy[best]) r++;
+        if (r - l >= rampWidth)
+        {
+            float sum = 0, moment = 0;
+            for (int j = l; j <= r; j++)
+            {
+                const float weight = std::sqrt(energy[j]);
+                sum += weight;
+                moment += weight * j;
+            }
+            c.offset = moment / sum - reach;
+        }
         c.strength = std::sqrt(energy[best]);
         c.deviation = std::sqrt(0.3 * 0.3 + unit * unit / energy[best]);
         found++;
