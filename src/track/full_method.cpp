@@ -68,7 +68,7 @@ void FullMethod::reset()
     placed_ = sure_ = filter_->state();
     shownJoints_.assign(coordinates_, 0.);
     usual_ = -DBL_MAX;
-    searches_ = boosted_ = disagreed_ = 0;
+    searches_ = boosted_ = pushed_ = disagreed_ = 0;
     eyes_ = 2;
     searched_ = isSeen_ = false;
     logOdds_ = 0;
@@ -109,6 +109,7 @@ void FullMethod::setPose(const Pose& pose)
 void FullMethod::measure(Scene& scene, const PartDrawing* ahead)
 {
     boosted_ = std::max(0, boosted_ - 1);
+    pushed_ = std::max(0, pushed_ - 1);
     bool seen = false;
     if (starts())
     {
@@ -172,14 +173,14 @@ bool FullMethod::follow(Scene& scene, const PartDrawing* ahead)
         keepPose(without_);
         filter_->inflate(pushRotation, pushTranslation);
         correct(scene);
-        if (isBetter(without_)) boosted_ = pushedFrames;
+        if (isBetter(without_)) boosted_ = pushed_ = pushedFrames;
         else
         {
             setPose(without_);
             if (evidence_.nis > pushedNis) correctByOutline(scene);   // the set of points is a false one
         }
     }
-    if (boosted_ || evidence_.logOdds() < usual_ - unusual) correctAnew(scene);
+    if (pushed_ || evidence_.logOdds() < usual_ - unusual) correctAnew(scene);
     judgeEyes(scene);
     if (continues(scene)) return true;
     filter_->undo();
@@ -266,6 +267,7 @@ void FullMethod::correctAnew(Scene& scene)
         if (isBetter(far_)) keepPose(far_);
     }
     setPose(far_);
+    usual_ = evidence_.logOdds();   // there is no better
 }
 
 bool FullMethod::isBetter(const Pose& other) const

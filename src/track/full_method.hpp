@@ -89,7 +89,8 @@ private:
     bool searched_;                        // the pose is that of a search, and not confirmed yet
     size_t eyes_;                          // that are believed to stand where they are said to
     int disagreed_;                        // consecutive frames in which the right eye did not see what the left one saw
-    int boosted_;                          // frames for which the process noise stays raised
+    int boosted_;                          // frames for which the process noise stays raised,
+    int pushed_;                           // and for which a push is going on
 
     // Memory of one function each.
     Pose without_, far_;
