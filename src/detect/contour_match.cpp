@@ -5,6 +5,7 @@
 #include "precomp.hpp"
 #include "opencv2/surgtrack/contour.hpp"
 #include "base/checks.hpp"
+#include "detect/contour_match.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -82,18 +83,23 @@ float medianStrength(const Mat& image, const std::vector<ContourPoint>& points)
     return std::sqrt(strengths[count / 2]);
 }
 
+} // namespace
+
 double strengthAsked(const Mat& image, const std::vector<ContourPoint>& points, const ContourSearch& search)
 {
     if (search.contrast <= 0) return search.minStrength;
     return std::min(search.minStrength, std::max(search.leastStrength, search.contrast * medianStrength(image, points)));
 }
 
-} // namespace
-
 int matchContour(InputArray _image, std::vector<ContourPoint>& points, const ContourSearch& search)
 {
     const Mat image = _image.getMat();
     checkImage(image);
+    return matchContour(image, points, search, strengthAsked(image, points, search));
+}
+
+int matchContour(const Mat& image, std::vector<ContourPoint>& points, const ContourSearch& search, double leastStrength)
+{
     CV_Check(search.halfWindow, search.halfWindow >= 1 && search.halfWindow <= maxHalf, "ContourSearch::halfWindow must be in 1..40");
     CV_Check(search.preference, search.preference >= 0 && search.preference < DBL_MAX, "ContourSearch::preference must not be negative");
     CV_Check(search.minStrength, search.minStrength >= 0 && search.minStrength < DBL_MAX, "ContourSearch::minStrength must not be negative");
@@ -103,7 +109,6 @@ int matchContour(InputArray _image, std::vector<ContourPoint>& points, const Con
     const int half = cvRound(search.halfWindow), reach = half + 4, n = 2 * reach + 1, channels = image.channels();
     float profile[3 * (2 * maxHalf + 9)], energy[2 * maxHalf + 9], prior[2 * maxHalf + 9];
     for (int i = 0; i < n; i++) prior[i] = search.preference > 0 ? std::exp(-0.5f * float((i - reach) * (i - reach)) / float(search.preference * search.preference * half * half)) : 1.f;
-    const double leastStrength = strengthAsked(image, points, search);
     const float least = float(leastStrength * leastStrength);
     // Where all edges are weaker, weak ones are placed as well.
     const double unit = search.minStrength > 0 ? 12 * leastStrength / search.minStrength : 12;

@@ -18,24 +18,38 @@ QGOMatcher::Params::Params()
 
 namespace {
 
-// Similarities of all places of a window.
+// Similarities of all places of a window, with the greatest of each row.
 class DenseMap
 {
 public:
-    DenseMap(ushort* sums, const Size& size) : map_(size.height, size.width, sums) {}
+    DenseMap(ushort* sums, const Size& size, std::vector<ushort>& rows) : map_(size.height, size.width, sums), rows_(rows)
+    {
+        rows_.resize(size.height);
+        look(0, size.height);
+    }
     Size size() const { return map_.size(); }
     int operator()(int y, int x) const { return map_(y, x); }
     bool best(int& similarity, Point& at) const
     {
-        double most;
-        minMaxLoc(map_, 0, &most, 0, &at);
-        similarity = int(most);
-        return most > 0;
+        at.y = int(std::max_element(rows_.begin(), rows_.end()) - rows_.begin());
+        similarity = rows_[at.y];
+        at.x = int(std::find(map_[at.y], map_[at.y] + map_.cols, ushort(similarity)) - map_[at.y]);
+        return similarity > 0;
     }
-    void suppress(const Rect& area) { map_(area).setTo(0); }
+    void suppress(const Rect& area)
+    {
+        map_(area).setTo(0);
+        look(area.y, area.y + area.height);
+    }
 
 private:
+    void look(int first, int end)
+    {
+        for (int y = first; y < end; y++) rows_[y] = ushort(greatest(map_[y], map_.cols));
+    }
+
     Mat_<ushort> map_;
+    std::vector<ushort>& rows_;
 };
 
 class QGOMatcherImpl CV_FINAL : public QGOMatcher
@@ -78,7 +92,7 @@ private:
     size_t step_, planeSize_;
     std::vector<uchar> planes_;
     std::vector<int> offsets_;
-    std::vector<ushort> similarity_;
+    std::vector<ushort> similarity_, rows_;
     WholeImageSearch wholeImage_;
     // Of all templates, in the order found, and by falling similarity.
     std::vector<PartMatch> found_;
@@ -266,7 +280,7 @@ void QGOMatcherImpl::match(const std::vector<PartTemplate>& templates, const std
             continue;
         }
         similarity(t, window);
-        DenseMap map(&similarity_[0], window.size());
+        DenseMap map(&similarity_[0], window.size(), rows_);
         selectCandidates(map, t, int(i), window);
     }
     order_.resize(found_.size());

@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "detect/contour_match.hpp"
 #include "track/full_method.hpp"
 
 namespace cv { namespace surgtrack {
@@ -100,7 +101,7 @@ const ToolView& FullMethod::seenBy(const PartFinder& eye)
 double FullMethod::refine(Scene& scene, int firstPass)
 {
     StageTimer timer(scene.times, CONTOUR);
-    double likelihood = 0;
+    double likelihood = 0, strengths[2] = {0, 0};
     for (int pass = firstPass; pass < passes; pass++)
     {
         ContourSearch search = edges_;
@@ -113,13 +114,15 @@ double FullMethod::refine(Scene& scene, int firstPass)
             PartFinder& eye = *scene.eyes[e];
             std::vector<ContourPoint>& outline = sights_[e].outline;
             placeContour(eye.camera(), seenBy(eye), outline);
-            matchContour(eye.pixels(Rect()), outline, search);
+            const Mat& image = eye.pixels(Rect());
+            if (pass == firstPass) strengths[e] = strengthAsked(image, outline, search);
+            matchContour(image, outline, search, strengths[e]);
             if (params_.contours) filter_->addContour(eye.camera(), eye.eye_T_camera(), outline, tolerance);
         }
         if (pass == firstPass) likelihood = filter_->surprise(noticedRotation, noticedTranslation);
         filter_->solve();
     }
-    evidence_.support = support(scene);
+    evidence_.support = support(scene, strengths);
     evidence_.similarity = meanSimilarity(inliers_);
     evidence_.parts = int(inliers_.size());
     evidence_.plausible = plausible(scene.camera(), filter_->correction(), inliers_);
@@ -127,7 +130,7 @@ double FullMethod::refine(Scene& scene, int firstPass)
 }
 
 // The share of the outline where the strongest edge around is the outline's.
-double FullMethod::support(Scene& scene)
+double FullMethod::support(Scene& scene, const double* strengths)
 {
     ContourSearch search = edges_;
     search.halfWindow = std::max(leastWindow, supportWindow * pixelScale_);
@@ -139,7 +142,7 @@ double FullMethod::support(Scene& scene)
         PartFinder& eye = *scene.eyes[e];
         std::vector<ContourPoint>& outline = sights_[e].outline;
         placeContour(eye.camera(), seenBy(eye), outline);
-        matchContour(eye.pixels(Rect()), outline, search);
+        matchContour(eye.pixels(Rect()), outline, search, strengths[e]);
         int here = 0;
         for (size_t i = 0; i < outline.size(); i++) here += outline[i].found && std::abs(outline[i].offset) < supportedWithin * pixelScale_;
         evidence_.eyeSupport[e] = outline.empty() ? 0 : double(here) / double(outline.size());

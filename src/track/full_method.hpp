@@ -66,7 +66,7 @@ private:
     void sampleOutline(Scene& scene, size_t eye, const PartDrawing& drawing);
     void redraw(Scene& scene, size_t eye);
     double refine(Scene& scene, int firstPass);
-    double support(Scene& scene);
+    double support(Scene& scene, const double* strengths);
     const ToolView& seenBy(const PartFinder& eye);
     size_t eyes(const Scene& scene) const { return std::min(scene.open, eyes_); }
     void judgeEyes(Scene& scene);
