@@ -19,7 +19,7 @@ void checkGrowth(double rotation, double translation)
 // dp / dx of a point of a link, in the camera frame
 void ArticulatedPoseEKFImpl::motion(int link, const Point3d& p, Rows3& D) const
 {
-    D.setZero(3, n_);
+    D.setZero(3, m_);
     const Point3d a = p - state_.centre;
     D(0, 1) = a.z; D(0, 2) = -a.y; D(1, 0) = -a.z; D(1, 2) = a.x; D(2, 0) = a.y; D(2, 1) = -a.x;
     D(0, 3) = D(1, 4) = D(2, 5) = 1;
@@ -50,16 +50,30 @@ bool ArticulatedPoseEKFImpl::row(const CameraModel& camera, const Matx44d& eye_T
 // x = (P^-1 + A)^-1 b with P = L L^T: L (I + L^T A L)^-1 L^T b; the posterior is symmetric and positive by its form.
 bool ArticulatedPoseEKFImpl::posterior(const Matrix& P, Vector& x, Matrix& result) const
 {
+    const int k = m_ - 6, l = n_ - 6;
+    Matrix A(n_, n_);   // of the state, from that of what is seen
+    A.topLeftCorner(6, 6) = A_.topLeftCorner(6, 6);
+    A.bottomLeftCorner(l, 6) = phi_.transpose() * A_.bottomLeftCorner(k, 6);
+    A.topRightCorner(6, l) = A.bottomLeftCorner(l, 6).transpose();
+    A.bottomRightCorner(l, l) = phi_.transpose() * A_.bottomRightCorner(k, k) * phi_;
     const Eigen::LLT<Matrix> root(P);
     if (root.info() != Eigen::Success) return false;
     const Matrix L = root.matrixL();
-    const Matrix M = Matrix::Identity(n_, n_) + L.transpose() * A_ * L;
+    const Matrix M = Matrix::Identity(n_, n_) + L.transpose() * A * L;
     const Eigen::LLT<Matrix> cholesky(M);
     if (cholesky.info() != Eigen::Success) return false;
     const Matrix W = cholesky.matrixL().solve(Matrix(L.transpose()));
     result = W.transpose() * W;
-    x = result * b_;
+    x = result * ofState(b_);
     return x.allFinite();
+}
+
+Vector ArticulatedPoseEKFImpl::ofState(const SeenVector& b) const
+{
+    Vector result(n_);
+    result.head(6) = b.head(6);
+    result.tail(n_ - 6) = phi_.transpose() * b.tail(m_ - 6);
+    return result;
 }
 
 void ArticulatedPoseEKFImpl::apply(const Vector& x)
@@ -68,19 +82,21 @@ void ArticulatedPoseEKFImpl::apply(const Vector& x)
     const Point3d c = state_.centre, t = c + Point3d(x[3], x[4], x[5]) - R * c;
     const Matx44d motion(R(0, 0), R(0, 1), R(0, 2), t.x, R(1, 0), R(1, 1), R(1, 2), t.y, R(2, 0), R(2, 1), R(2, 2), t.z, 0, 0, 0, 1);
     state_.correction = nearestRigid(motion * state_.correction);
+    state_.theta += x.tail(n_ - 6);
+    sumOffsets();
     for (size_t i = 0; i < stateOf_.size(); i++)
-        if (stateOf_[i] >= 0)
+        if (stateOf_[i] >= 0 && isJaw_[i])
         {
-            state_.offsets[i] += x[stateOf_[i]];
-            if (isJaw_[i]) state_.offsets[i] = std::max(state_.offsets[i], std::min(0., -joints_[i]));
+            const double stop = std::min(0., -joints_[i]);
+            if (offsets_[i] < stop) state_.theta[errors_->stateOf(i) - 6] += stop - offsets_[i];
         }
     place();
 }
 
 void ArticulatedPoseEKFImpl::begin()
 {
-    A_.setZero(n_, n_);
-    b_.setZero(n_);
+    A_.setZero(m_, m_);
+    b_.setZero(m_);
     square_ = 0;
     rows_ = 0;
 }
@@ -108,9 +124,9 @@ int ArticulatedPoseEKFImpl::addPoints(const CameraModel& camera, const Matx44d& 
         Point2d h;
         Rows2 H;
         if (!row(camera, eye_T_camera, keypoint.link, keypoint.linkPoint, h, H)) continue;
-        const Eigen::Vector2d residual(imagePoints[i].x - h.x, imagePoints[i].y - h.y), r = residual + H * moved_;   // r: of the prediction
+        const Eigen::Vector2d residual(imagePoints[i].x - h.x, imagePoints[i].y - h.y), r = residual + H * seenMoved_;   // r: of the prediction
         double R = std::pow(params_.pointNoise * (noise.empty() ? 1 : noise[i]), 2);
-        const Eigen::Matrix2d S = H * predicted_.P * H.transpose() + R * Eigen::Matrix2d::Identity();
+        const Eigen::Matrix2d S = H * predictedSeen_ * H.transpose() + R * Eigen::Matrix2d::Identity();
         if (params_.gate > 0 && r.dot(S.llt().solve(r)) > params_.gate) continue;
         const double square = residual.squaredNorm(), scale = tolerance * tolerance;
         if (params_.gate > 0 && square > params_.gate * (R + scale)) continue;
@@ -143,12 +159,12 @@ int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d&
         Point2d h;
         Rows2 H;
         if (!row(camera, eye_T_camera, c.link, c.linkPoint, h, H)) continue;
-        const Vector g = (c.normal.x * H.row(0) + c.normal.y * H.row(1)).transpose();
+        const SeenVector g = (c.normal.x * H.row(0) + c.normal.y * H.row(1)).transpose();
         const double r = c.normal.dot(c.imagePoint + c.normal * c.offset - h);   // of the state; robust about it
         const double sigma2 = std::pow(params_.contourNoise * c.deviation, 2), scale = tolerance * tolerance;
         if (!(r * r <= 9 * (sigma2 + scale))) continue;
         const double w = 1 / (std::pow(1 + r * r / (4 * sigma2 + scale), 2) * sigma2 * params_.contourCorrelation);
-        const double z = r + g.dot(moved_);
+        const double z = r + g.dot(seenMoved_);
         A_.noalias() += w * g * g.transpose();
         b_.noalias() += w * z * g;
         square_ += w * z * z;
@@ -169,7 +185,7 @@ double ArticulatedPoseEKFImpl::surprise(double rotation, double translation) con
         pushed(3 + i, 3 + i) += translation * translation;
     }
     if (rows_ == 0 || !posterior(predicted_.P, x, result) || !posterior(pushed, y, result)) return 0;
-    return 0.5 * b_.dot(y - x);
+    return 0.5 * ofState(b_).dot(y - x);
 }
 
 bool ArticulatedPoseEKFImpl::solve()
@@ -177,14 +193,15 @@ bool ArticulatedPoseEKFImpl::solve()
     Vector x;
     Matrix P;
     if (rows_ == 0 || !posterior(predicted_.P, x, P)) return false;
-    state_.nis = (square_ - b_.dot(x)) / rows_;
+    state_.nis = (square_ - ofState(b_).dot(x)) / rows_;
     state_.P = P;
     const Vector step = x - moved_;
     apply(step);
     moved_ = x;
     // Where the jaw met its stop the state is not at x.
     for (size_t i = 0; i < stateOf_.size(); i++)
-        if (stateOf_[i] >= 0) moved_[stateOf_[i]] = state_.offsets[i] - predicted_.offsets[i];
+        if (stateOf_[i] >= 0) moved_[errors_->stateOf(i)] = state_.theta[errors_->stateOf(i) - 6] - predicted_.theta[errors_->stateOf(i) - 6];
+    see(moved_);
     return true;
 }
 
@@ -196,15 +213,15 @@ Matx22d ArticulatedPoseEKFImpl::imageCovariance(const CameraModel& camera, const
     Point2d h;
     Rows2 H;
     if (!row(camera, eye_T_camera, keypoint.link, keypoint.linkPoint, h, H)) return Matx22d::zeros();
-    const Eigen::Matrix2d C = H * state_.P * H.transpose();
+    const Eigen::Matrix2d C = H * seen(state_.P) * H.transpose();
     return Matx22d(C(0, 0), C(0, 1), C(1, 0), C(1, 1));
 }
 
 Matx66d ArticulatedPoseEKFImpl::poseCovariance() const
 {
     const Matx44d camera_T_tool = view_.camera_T_base * model_->endEffectorFromLinks(view_.base_T_link);
-    Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, maxStates> J;
-    J.setZero(6, n_);
+    Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, maxSeen> J;
+    J.setZero(6, m_);
     J.topLeftCorner<3, 3>().setIdentity();
     const int link = model_->endEffectorLink();
     for (size_t i = 0; i < axes_[link].size(); i++)
@@ -216,7 +233,7 @@ Matx66d ArticulatedPoseEKFImpl::poseCovariance() const
     motion(link, Point3d(camera_T_tool(0, 3), camera_T_tool(1, 3), camera_T_tool(2, 3)), D);
     J.bottomRows<3>() = D;
     Matx66d result;
-    Eigen::Map<Eigen::Matrix<double, 6, 6> >(result.val) = J * state_.P * J.transpose();
+    Eigen::Map<Eigen::Matrix<double, 6, 6> >(result.val) = J * seen(state_.P) * J.transpose();
     return result;
 }
 

@@ -22,7 +22,7 @@ void ArticulatedPoseEKF::copyTo(const Ptr<ArticulatedPoseEKF>& other) const
 
 ArticulatedPoseEKF::Params::Params()
     : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.1 * CV_PI / 180), processTranslation(0.0003),
-      processJoint(0.03), pointNoise(3), gate(13.8), contourNoise(1), jointOffsets(true), contourCorrelation(18)
+      processJoint(0.03), gain(0.03), play(0.03), coupling(0.13), pointNoise(3), gate(13.8), contourNoise(1), jointOffsets(true), contourCorrelation(18)
 {
 }
 
@@ -35,6 +35,9 @@ void checkParams(const ArticulatedPoseEKF::Params& p)
     CV_Check(p.processRotation, p.processRotation >= 0 && p.processRotation < DBL_MAX, "Params::processRotation must not be negative");
     CV_Check(p.processTranslation, p.processTranslation >= 0 && p.processTranslation < DBL_MAX, "Params::processTranslation must not be negative");
     CV_Check(p.processJoint, p.processJoint >= 0 && p.processJoint < DBL_MAX, "Params::processJoint must not be negative");
+    CV_Check(p.gain, p.gain >= 0 && p.gain < DBL_MAX, "Params::gain must not be negative");
+    CV_Check(p.play, p.play >= 0 && p.play < DBL_MAX, "Params::play must not be negative");
+    CV_Check(p.coupling, p.coupling >= 0 && p.coupling < DBL_MAX, "Params::coupling must not be negative");
     CV_Check(p.pointNoise, p.pointNoise > 0 && p.pointNoise < DBL_MAX, "Params::pointNoise must be positive");
     CV_Check(p.gate, p.gate < DBL_MAX, "Params::gate must be a number");
     CV_Check(p.contourNoise, p.contourNoise > 0 && p.contourNoise < DBL_MAX, "Params::contourNoise must be positive");
@@ -44,8 +47,7 @@ void checkParams(const ArticulatedPoseEKF::Params& p)
 void store(const Estimate& from, ArticulatedPoseEKF::Belief& to)
 {
     to.correction = from.correction;
-    to.offsets.allocate(from.offsets.size());
-    std::copy(from.offsets.begin(), from.offsets.end(), to.offsets.data());
+    for (int i = 0; i < from.theta.size(); i++) to.theta[i] = from.theta[i];
     for (int r = 0; r < from.P.rows(); r++)
         for (int c = 0; c < from.P.cols(); c++) to.covariance(r, c) = from.P(r, c);
     to.centre = from.centre;
@@ -57,12 +59,23 @@ void store(const Estimate& from, ArticulatedPoseEKF::Belief& to)
 void restore(const ArticulatedPoseEKF::Belief& from, Estimate& to)
 {
     to.correction = from.correction;
-    to.offsets.assign(from.offsets.data(), from.offsets.data() + from.offsets.size());
+    for (int i = 0; i < to.theta.size(); i++) to.theta[i] = from.theta[i];
     for (int r = 0; r < to.P.rows(); r++)
         for (int c = 0; c < to.P.cols(); c++) to.P(r, c) = from.covariance(r, c);
     to.centre = from.centre;
     to.placed = from.placed;
     to.nis = from.nis;
+}
+
+void store(const std::vector<double>& from, AutoBuffer<double, 16>& to)
+{
+    to.allocate(from.size());
+    std::copy(from.begin(), from.end(), to.data());
+}
+
+void restore(const AutoBuffer<double, 16>& from, std::vector<double>& to)
+{
+    to.assign(from.data(), from.data() + from.size());
 }
 
 } // namespace
@@ -76,16 +89,25 @@ ArticulatedPoseEKFImpl::ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, cons
     deviations_ = model->offsetDeviations();
     if (!params.jointOffsets) std::fill(deviations_.begin(), deviations_.end(), 0.);
     const std::vector<ToolModel::Link>& links = model->links();
-    n_ = 6;
+    std::vector<uchar> revolute(deviations_.size(), 0);
     for (size_t i = 0; i < deviations_.size(); i++)
     {
-        stateOf_.push_back(deviations_[i] > 0 && n_ < maxStates ? n_++ : -1);
         // Two links that one coordinate moves against each other are jaws, closed at 0.
         bool positive = false, negative = false;
         for (size_t l = 0; l < links.size(); l++)
-            if (links[l].coordinate == int(i)) (links[l].scale > 0 ? positive : negative) = true;
+            if (links[l].coordinate == int(i))
+            {
+                (links[l].scale > 0 ? positive : negative) = true;
+                revolute[i] = links[l].jointType == ToolModel::JOINT_REVOLUTE;
+            }
         isJaw_.push_back(positive && negative);
     }
+    errors_ = makePtr<JointErrors>(deviations_, revolute, isJaw_, params);
+    n_ = 6 + errors_->size();
+    m_ = 6 + errors_->offsets();
+    for (size_t i = 0; i < deviations_.size(); i++) stateOf_.push_back(errors_->offsetOf(i) < 0 ? -1 : 6 + errors_->offsetOf(i));
+    directions_.assign(deviations_.size(), 0.);
+    offsets_.assign(deviations_.size(), 0.);
     joints_.assign(deviations_.size(), 0.);
     axes_.resize(links.size());
     reset(Matx44d::eye());
@@ -95,21 +117,63 @@ void ArticulatedPoseEKFImpl::reset(const Matx44d& correction)
 {
     CV_Assert(isRigid(correction) && "correction: rigid");
     state_.correction = correction;
-    state_.offsets.assign(deviations_.size(), 0.);
+    state_.theta.setZero(n_ - 6);
     state_.P = Matrix::Zero(n_, n_);
     for (int i = 0; i < 3; i++)
     {
         state_.P(i, i) = params_.initialRotation * params_.initialRotation;
         state_.P(3 + i, 3 + i) = params_.initialTranslation * params_.initialTranslation;
     }
-    for (size_t i = 0; i < stateOf_.size(); i++)
-        if (stateOf_[i] >= 0) state_.P(stateOf_[i], stateOf_[i]) = deviations_[i] * deviations_[i];
+    for (int i = 6; i < n_; i++) state_.P(i, i) = std::pow(errors_->prior(i - 6), 2);
     state_.nis = 0;
     state_.placed = false;
+    if (!reference_.empty()) reference_ = joints_;   // nothing is known of travel
+    setReadings(joints_);
+    predictedNow();
+}
+
+// Of these readings the offsets are a sum of the constants.
+void ArticulatedPoseEKFImpl::setReadings(const std::vector<double>& readings)
+{
+    joints_ = readings;
+    const std::vector<double>& reference = reference_.empty() ? joints_ : reference_;
+    errors_->phi(joints_.data(), reference.data(), directions_.data(), phi_);
     place();
+}
+
+void ArticulatedPoseEKFImpl::predictedNow()
+{
     predicted_ = state_;
+    predictedSeen_ = seen(predicted_.P);
     moved_.setZero(n_);
+    seenMoved_.setZero(m_);
     begin();
+}
+
+// Covariance of (omega, v, d) from that of (omega, v, theta).
+SeenMatrix ArticulatedPoseEKFImpl::seen(const Matrix& P) const
+{
+    SeenMatrix result(m_, m_);
+    const int k = m_ - 6, l = n_ - 6;
+    result.topLeftCorner(6, 6) = P.topLeftCorner(6, 6);
+    result.bottomLeftCorner(k, 6) = phi_ * P.bottomLeftCorner(l, 6);
+    result.topRightCorner(6, k) = result.bottomLeftCorner(k, 6).transpose();
+    result.bottomRightCorner(k, k) = phi_ * P.bottomRightCorner(l, l) * phi_.transpose();
+    return result;
+}
+
+// How what is seen has moved.
+void ArticulatedPoseEKFImpl::see(const Vector& x)
+{
+    seenMoved_.resize(m_);
+    seenMoved_.head(6) = x.head(6);
+    seenMoved_.tail(m_ - 6) = phi_ * x.tail(n_ - 6);
+}
+
+void ArticulatedPoseEKFImpl::sumOffsets()
+{
+    const Vector d = phi_ * state_.theta;
+    for (size_t i = 0; i < stateOf_.size(); i++) offsets_[i] = stateOf_[i] >= 0 ? d[stateOf_[i] - 6] : 0;
 }
 
 void ArticulatedPoseEKFImpl::correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const
@@ -118,7 +182,7 @@ void ArticulatedPoseEKFImpl::correctJoints(const std::vector<double>& readings, 
     joints.resize(readings.size());
     for (size_t i = 0; i < readings.size(); i++)
     {
-        joints[i] = readings[i] + state_.offsets[i];
+        joints[i] = readings[i] + offsets_[i];
         if (isJaw_[i]) joints[i] = std::max(joints[i], std::min(readings[i], 0.));
     }
 }
@@ -126,6 +190,7 @@ void ArticulatedPoseEKFImpl::correctJoints(const std::vector<double>& readings, 
 // Poses of the links and axes of the joints, from readings and state. The centre stays.
 void ArticulatedPoseEKFImpl::place()
 {
+    sumOffsets();
     correctJoints(joints_, corrected_);
     model_->forwardKinematics(corrected_, view_.base_T_link);
     view_.camera_T_base = state_.correction * nominal_T_base_;
@@ -152,8 +217,9 @@ void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double g
     CV_CheckEQ(joints.size(), stateOf_.size(), "joints: one value per coordinate");
     checkFinite(joints, "joints");
     CV_Check(growth, growth >= 0 && growth < DBL_MAX, "growth must not be negative");
-    joints_ = joints;
-    place();
+    if (reference_.empty()) reference_ = joints;
+    else JointErrors::hang(joints_.data(), joints.data(), joints.size(), &directions_[0]);
+    setReadings(joints);
     const std::vector<ToolModel::Keypoint>& keypoints = model_->keypoints();
     Point3d centre;
     for (size_t i = 0; i < keypoints.size(); i++)
@@ -171,10 +237,8 @@ void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double g
         state_.P(3 + i, 3 + i) += growth * growth * params_.processTranslation * params_.processTranslation;
     }
     for (size_t i = 0; i < stateOf_.size(); i++)
-        if (stateOf_[i] >= 0) state_.P(stateOf_[i], stateOf_[i]) += std::pow(growth * params_.processJoint * deviations_[i], 2);
-    predicted_ = state_;
-    moved_.setZero(n_);
-    begin();
+        if (stateOf_[i] >= 0) state_.P(errors_->stateOf(i), errors_->stateOf(i)) += std::pow(growth * params_.processJoint * deviations_[i], 2);
+    predictedNow();
 }
 
 void ArticulatedPoseEKFImpl::inflate(double rotation, double translation)
@@ -185,6 +249,7 @@ void ArticulatedPoseEKFImpl::inflate(double rotation, double translation)
         predicted_.P(i, i) += rotation * rotation;
         predicted_.P(3 + i, 3 + i) += translation * translation;
     }
+    predictedSeen_ = seen(predicted_.P);
     undo();
 }
 
@@ -192,6 +257,7 @@ void ArticulatedPoseEKFImpl::undo()
 {
     state_ = predicted_;
     moved_.setZero(n_);
+    seenMoved_.setZero(m_);
     place();
 }
 
@@ -200,8 +266,9 @@ ArticulatedPoseEKF::State ArticulatedPoseEKFImpl::state() const
     State result;
     result.model = model_;
     result.nominal_T_base = nominal_T_base_;
-    result.joints.allocate(joints_.size());
-    std::copy(joints_.begin(), joints_.end(), result.joints.data());
+    store(joints_, result.joints);
+    store(reference_, result.reference);
+    store(directions_, result.directions);
     store(predicted_, result.predicted);
     store(state_, result.corrected);
     for (int i = 0; i < n_; i++) result.moved[i] = moved_[i];
@@ -212,11 +279,15 @@ void ArticulatedPoseEKFImpl::setState(const State& state)
 {
     CV_Assert(state.model == model_ && "state: of another tool");
     nominal_T_base_ = state.nominal_T_base;
-    joints_.assign(state.joints.data(), state.joints.data() + state.joints.size());
+    restore(state.joints, joints_);
+    restore(state.reference, reference_);
+    restore(state.directions, directions_);
     restore(state.predicted, predicted_);
     restore(state.corrected, state_);
     for (int i = 0; i < n_; i++) moved_[i] = state.moved[i];
-    place();
+    setReadings(joints_);
+    predictedSeen_ = seen(predicted_.P);
+    see(moved_);
 }
 
 void ArticulatedPoseEKFImpl::setHandEye(const Matx44d& nominal_T_base)
@@ -245,15 +316,18 @@ void ArticulatedPoseEKFImpl::moveCamera(const Matx44d& now_T_before)
         e.P = (T * e.P * T.transpose()).eval();
     }
     moved_ = (T * moved_).eval();
+    see(moved_);
+    predictedSeen_ = seen(predicted_.P);
     nominal_T_base_ = nearestRigid(now_T_before * nominal_T_base_);
     place();
 }
 
 Mat ArticulatedPoseEKFImpl::covariance() const
 {
-    Mat_<double> result(n_, n_);
-    for (int r = 0; r < n_; r++)
-        for (int c = 0; c < n_; c++) result(r, c) = state_.P(r, c);
+    const SeenMatrix P = seen(state_.P);
+    Mat_<double> result(m_, m_);
+    for (int r = 0; r < m_; r++)
+        for (int c = 0; c < m_; c++) result(r, c) = P(r, c);
     return std::move(result);
 }
 

@@ -5,8 +5,7 @@
 #ifndef OPENCV_SURGTRACK_SRC_FILTER_ARTICULATED_POSE_EKF_HPP
 #define OPENCV_SURGTRACK_SRC_FILTER_ARTICULATED_POSE_EKF_HPP
 
-#include <Eigen/Dense>
-#include "opencv2/surgtrack/articulated_pose_ekf.hpp"
+#include "filter/joint_errors.hpp"
 
 // x      error of the state: (omega [rad], v [m], d [rad or m])
 // P, Q   covariance of the error, of the process noise
@@ -15,19 +14,11 @@
 
 namespace cv { namespace surgtrack {
 
-const int maxStates = ArticulatedPoseEKF::MAX_STATES;
-// Bounded: no memory is taken. Not aligned: members of objects on the heap, where C++11 promises 16 bytes only.
-typedef Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign, maxStates, 1> Vector;
-typedef Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::DontAlign, maxStates, maxStates> Matrix;
-
-typedef Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, maxStates> Rows2;
-typedef Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, maxStates> Rows3;
-
 // ArticulatedPoseEKF::Belief, to calculate with
 struct Estimate
 {
     Matx44d correction;
-    std::vector<double> offsets;
+    Vector theta;
     Matrix P;
     Point3d centre;
     bool placed;
@@ -61,7 +52,7 @@ public:
     void moveCamera(const Matx44d& now_T_before) CV_OVERRIDE;
     const ToolView& view() const CV_OVERRIDE { return view_; }
     Matx44d correction() const CV_OVERRIDE { return state_.correction; }
-    const std::vector<double>& offsets() const CV_OVERRIDE { return state_.offsets; }
+    const std::vector<double>& offsets() const CV_OVERRIDE { return offsets_; }
     const std::vector<double>& joints() const CV_OVERRIDE { return corrected_; }
     void correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const CV_OVERRIDE;
     Mat covariance() const CV_OVERRIDE;
@@ -81,27 +72,40 @@ private:
     bool row(const CameraModel& camera, const Matx44d& eye_T_camera, int link, const Point3d& linkPoint, Point2d& imagePoint,
              Rows2& H) const;
     void motion(int link, const Point3d& p, Rows3& D) const;
+    void setReadings(const std::vector<double>& readings);
+    void predictedNow();
+    void sumOffsets();
+    void see(const Vector& x);
+    SeenMatrix seen(const Matrix& P) const;
     bool posterior(const Matrix& P, Vector& x, Matrix& result) const;
+    Vector ofState(const SeenVector& b) const;
     void apply(const Vector& x);
 
     Ptr<ToolModel> model_;
     Matx44d nominal_T_base_;
     Params params_;
-    std::vector<int> stateOf_;        // of a coordinate: index in x, or -1
-    std::vector<double> deviations_;  // of a coordinate
     std::vector<uchar> isJaw_;        // of a coordinate
-    int n_;                           // of the state
+    std::vector<int> stateOf_;        // of a coordinate: index in what is seen, or -1
+    std::vector<double> deviations_;  // of a coordinate
+    Ptr<JointErrors> errors_;
+    int n_, m_;                       // of the state (omega, v, theta), and of what is seen (omega, v, d)
     std::vector<double> joints_;      // readings of this frame
+    std::vector<double> reference_;   // of the first frame; none before
+    std::vector<double> directions_;  // see JointErrors
+    Matrix phi_;                      // d = phi theta
+    std::vector<double> offsets_;     // of a coordinate, d
     std::vector<double> corrected_;
     ToolView view_;
     std::vector<std::vector<Axis> > axes_;   // of a link: the joints that move it
     Estimate state_, predicted_;
 
-    Matrix A_;
-    Vector b_;
+    SeenMatrix A_;
+    SeenVector b_;
     double square_;                   // sum of r^2 / sigma^2
     int rows_;
     Vector moved_;                    // x of the state since predict()
+    SeenVector seenMoved_;            // of what is seen
+    SeenMatrix predictedSeen_;        // covariance
 };
 
 }} // namespace cv::surgtrack

@@ -14,10 +14,11 @@ namespace cv { namespace surgtrack {
 
 /** @brief The filter of METHOD_FULL: the error of the hand-eye calibration and those of the joint readings.
 
-State: the correction camera_T_nominal and an offset for each coordinate with ToolModel::offsetDeviations() > 0 (the first ten). Its error is
-(omega, v, d), omega and v a small motion of the tool about its own centre c in the camera frame,
-`camera_T_nominal <- Trans(c + v) Exp(omega) Trans(-c) camera_T_nominal`, d that of the offsets; so rotation and translation are
-nearly independent, and P is moved to the new centre as the tool moves. Process: constant, with noise Q. Measurements: points of
+State: the correction camera_T_nominal and, of each coordinate with ToolModel::offsetDeviations() > 0 (the first ten), constants of what
+is wrong with its readings: an offset, a gain, play, and the coupling to the coordinate before it. The sum of them at this frame's
+readings, d, is added to these. The state's error is (omega, v, theta), omega and v a small motion of the tool about its own centre c in
+the camera frame, `camera_T_nominal <- Trans(c + v) Exp(omega) Trans(-c) camera_T_nominal`, theta that of the constants; so rotation and
+translation are nearly independent, and P is moved to the new centre as the tool moves. Process: constant, with noise Q. Measurements: points of
 parts and edges on contour normals, of one camera or several, all at once. */
 class CV_EXPORTS_W ArticulatedPoseEKF
 {
@@ -30,6 +31,9 @@ public:
         CV_PROP_RW double processRotation;      //!< process noise, standard deviation a frame [rad]
         CV_PROP_RW double processTranslation;   //!< the same [m]
         CV_PROP_RW double processJoint;         //!< the same, of joint offsets, as a share of their first deviation
+        CV_PROP_RW double gain;                 //!< prior standard deviation of a turning joint's gain, of its travel; 0 = none, as of the next two. Defaults: half again what a real PSM had
+        CV_PROP_RW double play;                 //!< the same, of half its play [rad]
+        CV_PROP_RW double coupling;             //!< the same, of a share of the travel of the coordinate before it
         CV_PROP_RW double pointNoise;           //!< standard deviation of a part's image point [pixel]
         CV_PROP_RW double gate;                 //!< points with a larger squared Mahalanobis distance are left out; 13.8 = 99.9 % of chi-square with 2 dof
         CV_PROP_RW double contourNoise;         //!< standard deviation of an edge along its normal [pixel]
@@ -37,14 +41,14 @@ public:
         CV_PROP_RW double contourCorrelation;   //!< so many neighbouring contour points tell as much as one
     };
 
-    static const int MAX_OFFSETS = 10, MAX_STATES = 6 + MAX_OFFSETS;
+    static const int MAX_OFFSETS = 10, MAX_STATES = 40;
 
     //! What is believed of a tool: state and covariance.
     struct CV_EXPORTS Belief
     {
         Matx44d correction;                    //!< camera_T_nominal
-        AutoBuffer<double, 16> offsets;        //!< a coordinate [rad or m]
-        Matx<double, MAX_STATES, MAX_STATES> covariance;   //!< of (omega, v, d); its upper left part is used
+        Vec<double, MAX_STATES> theta;         //!< constants of the readings' errors; its first part is used
+        Matx<double, MAX_STATES, MAX_STATES> covariance;   //!< of (omega, v, theta); its upper left part is used
         Point3d centre;                        //!< c, in the camera frame [m]
         bool placed;                           //!< whether the centre is that of a frame; before, P is about wherever the tool will be
         double nis;                            //!< see ArticulatedPoseEKF::nis()
@@ -56,7 +60,9 @@ public:
     {
         Ptr<ToolModel> model;
         Matx44d nominal_T_base;                //!< the hand-eye calibration
-        AutoBuffer<double, 16> joints;         //!< readings of the frame [rad or m]
+        AutoBuffer<double, 16> joints;         //!< readings of the frame [rad or m],
+        AutoBuffer<double, 16> reference;      //!< of the first frame,
+        AutoBuffer<double, 16> directions;     //!< and where in its play each coordinate hangs, -1..1
         Belief predicted, corrected;           //!< after predict(), and after the last solve() since
         Vec<double, MAX_STATES> moved;         //!< from one to the other
     };
@@ -152,7 +158,7 @@ public:
     virtual void correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const = 0;
     /** @brief One per coordinate: the readings with their offsets, and no jaw beyond its stop [rad or m]. */
     CV_WRAP virtual const std::vector<double>& joints() const = 0;
-    /** @brief CV_64F, of (omega, v, d). */
+    /** @brief CV_64F, of (omega, v, d): d is the sum of what is wrong with each reading now. */
     CV_WRAP virtual Mat covariance() const = 0;
     /** @brief Normalised innovation squared of the last solve(), per degree of freedom. */
     CV_WRAP virtual double nis() const = 0;
