@@ -22,7 +22,7 @@ void ArticulatedPoseEKF::copyTo(const Ptr<ArticulatedPoseEKF>& other) const
 
 ArticulatedPoseEKF::Params::Params()
     : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.1 * CV_PI / 180), processTranslation(0.0003),
-      processJoint(0.03), gain(0.03), play(0.03), coupling(0.13), pointNoise(3), gate(13.8), contourNoise(1), jointOffsets(true), contourCorrelation(18)
+      processJoint(0.015), gain(0.02), play(0.02), coupling(0.1), pointNoise(3), gate(13.8), contourNoise(1), jointOffsets(true), contourCorrelation(18)
 {
 }
 
@@ -236,8 +236,7 @@ void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double g
         state_.P(i, i) += growth * growth * params_.processRotation * params_.processRotation;
         state_.P(3 + i, 3 + i) += growth * growth * params_.processTranslation * params_.processTranslation;
     }
-    for (size_t i = 0; i < stateOf_.size(); i++)
-        if (stateOf_[i] >= 0) state_.P(errors_->stateOf(i), errors_->stateOf(i)) += std::pow(growth * params_.processJoint * deviations_[i], 2);
+    for (int i = 6; i < n_; i++) state_.P(i, i) += std::pow(growth * params_.processJoint * errors_->prior(i - 6), 2);
     predictedNow();
 }
 

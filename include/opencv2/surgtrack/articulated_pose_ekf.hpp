@@ -30,8 +30,8 @@ public:
         CV_PROP_RW double initialTranslation;   //!< the same, at the tool [m]
         CV_PROP_RW double processRotation;      //!< process noise, standard deviation a frame [rad]
         CV_PROP_RW double processTranslation;   //!< the same [m]
-        CV_PROP_RW double processJoint;         //!< the same, of joint offsets, as a share of their first deviation
-        CV_PROP_RW double gain;                 //!< prior standard deviation of a turning joint's gain, of its travel; 0 = none, as of the next two. Defaults: half again what a real PSM had
+        CV_PROP_RW double processJoint;         //!< the same, of what is wrong with the joints' readings, as a share of its prior deviation
+        CV_PROP_RW double gain;                 //!< prior standard deviation of a turning joint's gain, of its travel; 0 = none, as of the next two; defaults: what a real PSM had
         CV_PROP_RW double play;                 //!< the same, of half its play [rad]
         CV_PROP_RW double coupling;             //!< the same, of a share of the travel of the coordinate before it
         CV_PROP_RW double pointNoise;           //!< standard deviation of a part's image point [pixel]
