@@ -20,64 +20,61 @@ Evidence evidence(double similarity, double support, int parts = 8, double nis =
 
 const EvidenceThresholds T;
 
-TEST(SurgTrack_Evidence, isTheSumUnlessOneHalfIsTissue)
+TEST(SurgTrack_Evidence, partsAndOutlineAddUp)
 {
-    EXPECT_DOUBLE_EQ(1.4, evidence(0.8, 0.6).sum(T));
-    EXPECT_EQ(0, evidence(T.leastSimilarity - 0.01, 0.9).sum(T));
-    EXPECT_EQ(0, evidence(0.9, T.leastSupport - 0.01).sum(T));
+    // More parts, more alike, on a larger share of the outline, that fit better: more likely. Half of it is not enough.
+    const double right = evidence(0.75, 0.6).logOdds();
+    EXPECT_GT(right, T.sure);
+    EXPECT_LT(evidence(0.75, 0.6, 4).logOdds(), right);
+    EXPECT_LT(evidence(0.65, 0.6).logOdds(), right);
+    EXPECT_LT(evidence(0.75, 0.4).logOdds(), right);
+    EXPECT_LT(evidence(0.75, 0.6, 8, 0.5).logOdds(), right);
+    EXPECT_LT(evidence(0.8, 0.1).logOdds(), T.first);   // parts that look right in the wrong place
+    EXPECT_LT(evidence(0.5, 0.5).logOdds(), T.first);   // an outline of tissue
+}
+
+TEST(SurgTrack_Evidence, partsLikeTissueTellNothing)
+{
+    const EvidenceModel model;
+    EXPECT_DOUBLE_EQ(evidence(model.tissue, 0.6).logOdds(), evidence(model.tissue - 0.3, 0.6).logOdds());
+    EXPECT_DOUBLE_EQ(evidence(model.tissue, 0.6, 8).logOdds(), evidence(model.tissue, 0.6, 2).logOdds());
+}
+
+TEST(SurgTrack_Evidence, whatCannotBeIsNotBelieved)
+{
+    Evidence e = evidence(0.9, 0.9);
+    EXPECT_GT(e.logOdds(), T.sure);
+    e.plausible = false;
+    EXPECT_LT(e.logOdds(), T.first - T.prior);
 }
 
 TEST(SurgTrack_Evidence, growsWithWhatItIsAskedFor)
 {
     // One that is followed needs least, one that is sure at once most.
-    EXPECT_LT(T.followed, T.start);
-    EXPECT_LT(T.start, T.sure);
-    EXPECT_LE(T.leastSupport, T.startSupport);
-    EXPECT_LT(T.startSupport, T.outlineAlone);
+    EXPECT_LT(T.followed - T.prior, T.first);
+    EXPECT_LT(T.first, T.confirmed);
+    EXPECT_LT(T.confirmed, T.sure);
+    // An outline alone goes on where it is well supported, and begins nothing: 20 px off it is 0.31 at most.
+    EXPECT_GT(evidence(0, 0.55, 0).logOdds() + T.prior, T.followed);
+    EXPECT_LT(evidence(0, 0.31, 0).logOdds() + T.prior, T.followed);
+    EXPECT_FALSE(evidence(0, 1, 0).isFirstPose(T));
 }
 
-TEST(SurgTrack_Evidence, aToolThatIsFollowedNeedsLess)
+TEST(SurgTrack_Evidence, aFirstPoseNeedsMoreThanFourParts)
 {
-    const Evidence weak = evidence(0.6, 0.4);   // 1.0
-    EXPECT_TRUE(weak.continues(T, STATE_TRACKING));
-    EXPECT_FALSE(weak.continues(T, STATE_COASTING));
-    EXPECT_FALSE(weak.continues(T, STATE_INITIALIZING));
-    EXPECT_FALSE(weak.isStart(T));
-    const Evidence strong = evidence(0.7, 0.5);   // 1.2
-    for (int state = STATE_INITIALIZING; state <= STATE_LOST; state++) EXPECT_TRUE(strong.continues(T, state)) << state;
-}
-
-TEST(SurgTrack_Evidence, anOutlineAloneOnlyContinues)
-{
-    const Evidence outline = evidence(0, T.outlineAlone, 0);
-    EXPECT_TRUE(outline.continues(T, STATE_TRACKING));
-    EXPECT_TRUE(outline.continues(T, STATE_COASTING));
-    EXPECT_FALSE(outline.continues(T, STATE_INITIALIZING));
-    EXPECT_FALSE(outline.continues(T, STATE_LOST));
-    EXPECT_FALSE(evidence(0, T.outlineAlone - 0.01, 0).continues(T, STATE_TRACKING));
-    EXPECT_FALSE(outline.isStart(T));
-}
-
-TEST(SurgTrack_Evidence, aStartNeedsBothHalves)
-{
-    EXPECT_TRUE(evidence(0.8, T.startSupport).isStart(T));
-    EXPECT_FALSE(evidence(1, T.startSupport - 0.01).isStart(T));   // parts that look right in the wrong place
-    EXPECT_FALSE(evidence(0.8, 0.5, T.minParts).isFirstPose(T));
-    EXPECT_TRUE(evidence(0.8, 0.5, T.minParts + 1).isFirstPose(T));
-}
-
-TEST(SurgTrack_Evidence, toBeSureTakesPointsThatFit)
-{
+    EXPECT_FALSE(evidence(0.8, 0.6, T.minParts).isFirstPose(T));
+    EXPECT_TRUE(evidence(0.8, 0.6, T.minParts + 1).isFirstPose(T));
     EXPECT_TRUE(evidence(0.8, 0.6, 6).isSure(T, 6));
     EXPECT_FALSE(evidence(0.8, 0.6, 5).isSure(T, 6));
-    EXPECT_FALSE(evidence(0.7, 0.5, 6).isSure(T, 6));
-    EXPECT_FALSE(evidence(0.8, 0.6, 6, T.sureNis + 0.01).isSure(T, 6));
+    EXPECT_FALSE(evidence(0.8, 0.6, 6, 2).isSure(T, 6));   // points that do not fit
 }
 
-TEST(SurgTrack_Evidence, pointsThatFitBadlyTakeFromTheMerit)
+TEST(SurgTrack_Evidence, isAProbability)
 {
-    EXPECT_GT(evidence(0.8, 0.6, 8, 0.1).merit(T), evidence(0.8, 0.6, 8, 0.5).merit(T));
-    EXPECT_GT(evidence(0.8, 0.6, 8, 0.5).merit(T), evidence(0.6, 0.6, 8, 0.5).merit(T));
+    EXPECT_DOUBLE_EQ(0.5, probability(0));
+    EXPECT_NEAR(0.9, probability(T.confirmed), 0.005);   // as said beside the thresholds
+    EXPECT_NEAR(0.98, probability(T.sure), 0.005);
+    EXPECT_NEAR(0.73, probability(T.followed), 0.005);
 }
 
 }} // namespace
