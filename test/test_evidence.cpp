@@ -29,7 +29,7 @@ TEST(SurgTrack_Evidence, partsAndOutlineAddUp)
     EXPECT_LT(evidence(0.65, 0.6).logOdds(), right);
     EXPECT_LT(evidence(0.75, 0.4).logOdds(), right);
     EXPECT_LT(evidence(0.75, 0.6, 8, 0.5).logOdds(), right);
-    EXPECT_LT(evidence(0.8, 0.1).logOdds(), T.first);   // parts that look right in the wrong place
+    EXPECT_LT(evidence(0.75, 0.1).logOdds(), T.first);   // parts that look right in the wrong place
     EXPECT_LT(evidence(0.5, 0.5).logOdds(), T.first);   // an outline of tissue
 }
 
@@ -55,8 +55,8 @@ TEST(SurgTrack_Evidence, growsWithWhatItIsAskedFor)
     EXPECT_LT(T.first, T.confirmed);
     EXPECT_LT(T.confirmed, T.sure);
     // An outline alone goes on where it is well supported, and begins nothing: 20 px off it is 0.31 at most.
-    EXPECT_GT(evidence(0, 0.55, 0).logOdds() + T.prior, T.followed);
-    EXPECT_LT(evidence(0, 0.31, 0).logOdds() + T.prior, T.followed);
+    EXPECT_GT(evidence(0, 0.55, 0, 0).logOdds() + T.prior, T.followed);
+    EXPECT_LT(evidence(0, 0.31, 0, 0).logOdds() + T.prior, T.followed);
     EXPECT_FALSE(evidence(0, 1, 0).isFirstPose(T));
 }
 
