@@ -128,17 +128,28 @@ bool PaperMethod::correctFromHandEye()
 // Several scales and rotations about the kinematics' pose (paper, Sec. 2.1), the best agreement goes to EPnP (Sec. 2.3).
 bool PaperMethod::start(Scene& scene, int first, int last)
 {
-    std::vector<StartCandidate> best(1);
+    std::vector<StartCandidate> best(5);   // the paper has the first alone
     visibleParts_ = findStarts(scene, first, last, view_, transform(correction_, nominalPoints_[0]).z, best);
-    inliers_ = best[0].inliers;
-    if (!inliers_.empty()) visibleParts_ = best[0].templates;
+    for (size_t k = 0; k < best.size() && best[k].score > 0; k++)
+        if (startFrom(scene, best[k])) return true;
+    return false;
+}
+
+bool PaperMethod::startFrom(Scene& scene, const StartCandidate& candidate)
+{
+    inliers_ = candidate.inliers;
+    visibleParts_ = candidate.templates;
     Matx44d correction;
+    bool solved;
     {
         StageTimer timer(scene.times, FILTER);
         gather();
-        if (inliers_.empty() || !solveEPnP(camera_, nominalInliers_, imageInliers_, correction, maxReprojectionError())
-            || !plausible(camera_, correction, inliers_))
-            return false;
+        solved = solveEPnP(camera_, nominalInliers_, imageInliers_, correction, maxReprojectionError()) && plausible(camera_, correction, inliers_);
+    }
+    if (!solved)
+    {
+        if (params_.method == METHOD_EPNP) return false;
+        correction = calibration_;   // joints that are off leave EPnP without a pose; the filter has one to begin with
     }
     const Matx44d before = correction_;
     setCorrection(correction);

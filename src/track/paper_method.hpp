@@ -29,6 +29,7 @@ private:
     const ToolView& predict(const std::vector<double>& joints) CV_OVERRIDE;
     bool follow(Scene& scene, const PartDrawing* ahead);
     bool start(Scene& scene, int first, int last);
+    bool startFrom(Scene& scene, const StartCandidate& candidate);
     bool startFromHandEye(Scene& scene);
     bool correctFromHandEye();
     bool correct();
