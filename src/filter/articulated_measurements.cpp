@@ -16,6 +16,13 @@ void checkGrowth(double rotation, double translation)
 }
 
 
+static void add(Rows3& D, int column, const Point3d& u)
+{
+    D(0, column) += u.x;
+    D(1, column) += u.y;
+    D(2, column) += u.z;
+}
+
 // dp / dx of a point of a link, in the camera frame
 void ArticulatedPoseEKFImpl::motion(int link, const Point3d& p, Rows3& D) const
 {
@@ -27,9 +34,8 @@ void ArticulatedPoseEKFImpl::motion(int link, const Point3d& p, Rows3& D) const
     for (size_t i = 0; i < axes.size(); i++)
     {
         const Point3d u = axes[i].revolute ? axes[i].direction.cross(p - axes[i].origin) : axes[i].direction;
-        D(0, axes[i].state) += u.x;
-        D(1, axes[i].state) += u.y;
-        D(2, axes[i].state) += u.z;
+        if (axes[i].state >= 0) add(D, axes[i].state, u);
+        if (params_.delay > 0) add(D, m_ - 1, u * axes[i].rate);
     }
 }
 
@@ -227,7 +233,10 @@ Matx66d ArticulatedPoseEKFImpl::poseCovariance() const
     for (size_t i = 0; i < axes_[link].size(); i++)
     {
         const Axis& a = axes_[link][i];
-        if (a.revolute) J.block<3, 1>(0, a.state) += Eigen::Vector3d(a.direction.x, a.direction.y, a.direction.z);
+        if (!a.revolute) continue;
+        const Eigen::Vector3d axis(a.direction.x, a.direction.y, a.direction.z);
+        if (a.state >= 0) J.block<3, 1>(0, a.state) += axis;
+        if (params_.delay > 0) J.block<3, 1>(0, m_ - 1) += axis * a.rate;
     }
     Rows3 D;
     motion(link, Point3d(camera_T_tool(0, 3), camera_T_tool(1, 3), camera_T_tool(2, 3)), D);

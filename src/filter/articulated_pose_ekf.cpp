@@ -22,7 +22,7 @@ void ArticulatedPoseEKF::copyTo(const Ptr<ArticulatedPoseEKF>& other) const
 
 ArticulatedPoseEKF::Params::Params()
     : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.1 * CV_PI / 180), processTranslation(0.0003),
-      processJoint(0.015), gain(0.02), play(0.02), coupling(0.1), pointNoise(3), gate(13.8), contourNoise(1), jointOffsets(true), contourCorrelation(18)
+      processJoint(0.015), gain(0.02), play(0.02), coupling(0.1), delay(0.03), pointNoise(3), gate(13.8), contourNoise(1), jointOffsets(true), contourCorrelation(18)
 {
 }
 
@@ -38,6 +38,7 @@ void checkParams(const ArticulatedPoseEKF::Params& p)
     CV_Check(p.gain, p.gain >= 0 && p.gain < DBL_MAX, "Params::gain must not be negative");
     CV_Check(p.play, p.play >= 0 && p.play < DBL_MAX, "Params::play must not be negative");
     CV_Check(p.coupling, p.coupling >= 0 && p.coupling < DBL_MAX, "Params::coupling must not be negative");
+    CV_Check(p.delay, p.delay >= 0 && p.delay < DBL_MAX, "Params::delay must not be negative");
     CV_Check(p.pointNoise, p.pointNoise > 0 && p.pointNoise < DBL_MAX, "Params::pointNoise must be positive");
     CV_Check(p.gate, p.gate < DBL_MAX, "Params::gate must be a number");
     CV_Check(p.contourNoise, p.contourNoise > 0 && p.contourNoise < DBL_MAX, "Params::contourNoise must be positive");
@@ -81,7 +82,7 @@ void restore(const AutoBuffer<double, 16>& from, std::vector<double>& to)
 } // namespace
 
 ArticulatedPoseEKFImpl::ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params)
-    : model_(model), nominal_T_base_(nominal_T_base), params_(params)
+    : model_(model), nominal_T_base_(nominal_T_base), params_(params), history_(model ? model->coordinateNames().size() : 0)
 {
     CV_Assert(model);
     CV_Assert(isRigid(nominal_T_base) && "nominal_T_base: rigid");
@@ -103,11 +104,13 @@ ArticulatedPoseEKFImpl::ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, cons
         isJaw_.push_back(positive && negative);
     }
     errors_ = makePtr<JointErrors>(deviations_, revolute, isJaw_, params);
-    n_ = 6 + errors_->size();
-    m_ = 6 + errors_->offsets();
+    const int delays = params.delay > 0;   // comes last
+    n_ = 6 + errors_->size() + delays;
+    m_ = 6 + errors_->offsets() + delays;
     for (size_t i = 0; i < deviations_.size(); i++) stateOf_.push_back(errors_->offsetOf(i) < 0 ? -1 : 6 + errors_->offsetOf(i));
     directions_.assign(deviations_.size(), 0.);
     offsets_.assign(deviations_.size(), 0.);
+    late_ = rates_ = offsets_;
     joints_.assign(deviations_.size(), 0.);
     axes_.resize(links.size());
     reset(Matx44d::eye());
@@ -124,7 +127,7 @@ void ArticulatedPoseEKFImpl::reset(const Matx44d& correction)
         state_.P(i, i) = params_.initialRotation * params_.initialRotation;
         state_.P(3 + i, 3 + i) = params_.initialTranslation * params_.initialTranslation;
     }
-    for (int i = 6; i < n_; i++) state_.P(i, i) = std::pow(errors_->prior(i - 6), 2);
+    for (int i = 6; i < n_; i++) state_.P(i, i) = std::pow(prior(i), 2);
     state_.nis = 0;
     state_.placed = false;
     if (!reference_.empty()) reference_ = joints_;   // nothing is known of travel
@@ -138,6 +141,13 @@ void ArticulatedPoseEKFImpl::setReadings(const std::vector<double>& readings)
     joints_ = readings;
     const std::vector<double>& reference = reference_.empty() ? joints_ : reference_;
     errors_->phi(joints_.data(), reference.data(), directions_.data(), phi_);
+    if (params_.delay > 0)
+    {
+        phi_.conservativeResize(m_ - 6, n_ - 6);
+        phi_.rightCols(1).setZero();
+        phi_.bottomRows(1).setZero();
+        phi_(m_ - 7, n_ - 7) = 1;
+    }
     place();
 }
 
@@ -182,7 +192,7 @@ void ArticulatedPoseEKFImpl::correctJoints(const std::vector<double>& readings, 
     joints.resize(readings.size());
     for (size_t i = 0; i < readings.size(); i++)
     {
-        joints[i] = readings[i] + offsets_[i];
+        joints[i] = readings[i] + late_[i] + offsets_[i];
         if (isJaw_[i]) joints[i] = std::max(joints[i], std::min(readings[i], 0.));
     }
 }
@@ -191,6 +201,7 @@ void ArticulatedPoseEKFImpl::correctJoints(const std::vector<double>& readings, 
 void ArticulatedPoseEKFImpl::place()
 {
     sumOffsets();
+    history_.at(delay(), late_.data(), rates_.data());
     correctJoints(joints_, corrected_);
     model_->forwardKinematics(corrected_, view_.base_T_link);
     view_.camera_T_base = state_.correction * nominal_T_base_;
@@ -200,10 +211,12 @@ void ArticulatedPoseEKFImpl::place()
         axes_[l].clear();
         for (int i = int(l); i >= 0; i = links[i].parent)
         {
-            if (links[i].coordinate < 0 || stateOf_[links[i].coordinate] < 0) continue;
+            if (links[i].coordinate < 0) continue;
             const Matx44d T = view_.camera_T_base * view_.base_T_link[i];
             Axis a;
             a.state = stateOf_[links[i].coordinate];
+            a.rate = rates_[links[i].coordinate];
+            if (a.state < 0 && a.rate == 0) continue;
             a.direction = Point3d(T(0, 2), T(1, 2), T(2, 2)) * links[i].scale;
             a.origin = Point3d(T(0, 3), T(1, 3), T(2, 3));
             a.revolute = links[i].jointType == ToolModel::JOINT_REVOLUTE;
@@ -212,11 +225,13 @@ void ArticulatedPoseEKFImpl::place()
     }
 }
 
-void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double growth)
+void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double growth, double seconds)
 {
     CV_CheckEQ(joints.size(), stateOf_.size(), "joints: one value per coordinate");
     checkFinite(joints, "joints");
     CV_Check(growth, growth >= 0 && growth < DBL_MAX, "growth must not be negative");
+    CV_Check(seconds, seconds >= 0 && seconds < DBL_MAX, "seconds must not be negative");
+    history_.add(joints.data(), seconds);
     if (reference_.empty()) reference_ = joints;
     else JointErrors::hang(joints_.data(), joints.data(), joints.size(), &directions_[0]);
     setReadings(joints);
@@ -236,7 +251,7 @@ void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double g
         state_.P(i, i) += growth * growth * params_.processRotation * params_.processRotation;
         state_.P(3 + i, 3 + i) += growth * growth * params_.processTranslation * params_.processTranslation;
     }
-    for (int i = 6; i < n_; i++) state_.P(i, i) += std::pow(growth * params_.processJoint * errors_->prior(i - 6), 2);
+    for (int i = 6; i < n_; i++) state_.P(i, i) += std::pow(growth * params_.processJoint * prior(i), 2);
     predictedNow();
 }
 
@@ -324,9 +339,10 @@ void ArticulatedPoseEKFImpl::moveCamera(const Matx44d& now_T_before)
 Mat ArticulatedPoseEKFImpl::covariance() const
 {
     const SeenMatrix P = seen(state_.P);
-    Mat_<double> result(m_, m_);
-    for (int r = 0; r < m_; r++)
-        for (int c = 0; c < m_; c++) result(r, c) = P(r, c);
+    const int n = 6 + errors_->offsets();
+    Mat_<double> result(n, n);
+    for (int r = 0; r < n; r++)
+        for (int c = 0; c < n; c++) result(r, c) = P(r, c);
     return std::move(result);
 }
 

@@ -6,6 +6,7 @@
 #define OPENCV_SURGTRACK_SRC_FILTER_ARTICULATED_POSE_EKF_HPP
 
 #include "filter/joint_errors.hpp"
+#include "filter/reading_history.hpp"
 
 // x      error of the state: (omega [rad], v [m], d [rad or m])
 // P, Q   covariance of the error, of the process noise
@@ -35,7 +36,7 @@ public:
     ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params);
 
     void reset(const Matx44d& correction) CV_OVERRIDE;
-    void predict(const std::vector<double>& joints, double growth) CV_OVERRIDE;
+    void predict(const std::vector<double>& joints, double growth, double seconds) CV_OVERRIDE;
     void inflate(double rotation, double translation) CV_OVERRIDE;
     void undo() CV_OVERRIDE;
     void begin() CV_OVERRIDE;
@@ -52,6 +53,7 @@ public:
     void moveCamera(const Matx44d& now_T_before) CV_OVERRIDE;
     const ToolView& view() const CV_OVERRIDE { return view_; }
     Matx44d correction() const CV_OVERRIDE { return state_.correction; }
+    double delay() const CV_OVERRIDE { return params_.delay > 0 ? state_.theta[n_ - 7] : 0; }
     const std::vector<double>& offsets() const CV_OVERRIDE { return offsets_; }
     const std::vector<double>& joints() const CV_OVERRIDE { return corrected_; }
     void correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const CV_OVERRIDE;
@@ -63,11 +65,13 @@ public:
 private:
     struct Axis
     {
-        int state;           // index of the offset in x
+        int state;           // index of the offset in what is seen, or -1
+        double rate;         // of the coordinate, at the image's time
         Point3d direction, origin;   // in the camera frame; direction times the joint's scale
         bool revolute;
     };
 
+    double prior(int i) const { return i - 6 < errors_->size() ? errors_->prior(i - 6) : params_.delay; }
     void place();
     bool row(const CameraModel& camera, const Matx44d& eye_T_camera, int link, const Point3d& linkPoint, Point2d& imagePoint,
              Rows2& H) const;
@@ -94,6 +98,8 @@ private:
     std::vector<double> directions_;  // see JointErrors
     Matrix phi_;                      // d = phi theta
     std::vector<double> offsets_;     // of a coordinate, d
+    ReadingHistory history_;
+    std::vector<double> late_, rates_;   // of a coordinate: reading at the image's time less that of the frame, and its change a second
     std::vector<double> corrected_;
     ToolView view_;
     std::vector<std::vector<Axis> > axes_;   // of a link: the joints that move it

@@ -10,12 +10,12 @@
 
 namespace cv { namespace surgtrack {
 
-const int maxStates = ArticulatedPoseEKF::MAX_STATES, maxSeen = 6 + ArticulatedPoseEKF::MAX_OFFSETS;
+const int maxStates = ArticulatedPoseEKF::MAX_STATES, maxSeen = 7 + ArticulatedPoseEKF::MAX_OFFSETS;
 
 typedef Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign, maxStates, 1> Vector;
 typedef Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::DontAlign, maxStates, maxStates> Matrix;
 
-// Of what a frame sees: (omega, v, d).
+// Of what a frame sees: (omega, v, d, delay).
 typedef Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign, maxSeen, 1> SeenVector;
 typedef Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::DontAlign, maxSeen, maxSeen> SeenMatrix;
 typedef Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, maxSeen> Rows2;

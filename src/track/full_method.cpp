@@ -74,10 +74,10 @@ void FullMethod::reset()
     logOdds_ = 0;
 }
 
-const ToolView& FullMethod::predict(const std::vector<double>& joints)
+const ToolView& FullMethod::predict(const std::vector<double>& joints, double seconds)
 {
     placed_ = filter_->state();
-    filter_->predict(joints, boosted_ > 0 ? pushedGrowth : 1);
+    filter_->predict(joints, boosted_ > 0 ? pushedGrowth : 1, seconds);
     return filter_->view();
 }
 
@@ -381,6 +381,7 @@ void FullMethod::report(ToolEstimate& e) const
     e.covariance = filter_->poseCovariance();
     std::copy(filter_->offsets().begin(), filter_->offsets().end(), e.jointOffsets.begin());
     e.joints = filter_->joints();
+    e.delay = filter_->delay();
     e.confidence = isSeen_ ? probability(logOdds_) : 0;
 }
 

@@ -42,7 +42,7 @@ private:
     };
 
     void correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const CV_OVERRIDE { filter_->correctJoints(readings, joints); }
-    const ToolView& predict(const std::vector<double>& joints) CV_OVERRIDE;
+    const ToolView& predict(const std::vector<double>& joints, double seconds) CV_OVERRIDE;
     Pose pose() const;
     void keepPose(Pose& pose) const;
     void setPose(const Pose& pose);

@@ -29,7 +29,7 @@ void PaperMethod::reset()
     hypothesis_ = 0;
 }
 
-const ToolView& PaperMethod::predict(const std::vector<double>& joints)
+const ToolView& PaperMethod::predict(const std::vector<double>& joints, double)
 {
     model_->forwardKinematics(joints, view_.base_T_link);
     view_.camera_T_base = correction_ * nominal_T_base_;

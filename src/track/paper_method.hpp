@@ -26,7 +26,7 @@ public:
     void inherit(const ToolMethod& other) CV_OVERRIDE;
 
 private:
-    const ToolView& predict(const std::vector<double>& joints) CV_OVERRIDE;
+    const ToolView& predict(const std::vector<double>& joints, double seconds) CV_OVERRIDE;
     bool follow(Scene& scene, const PartDrawing* ahead);
     bool start(Scene& scene, int first, int last);
     bool startFrom(Scene& scene, const StartCandidate& candidate);

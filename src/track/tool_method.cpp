@@ -44,10 +44,10 @@ void ToolMethod::reset()
     inliers_.clear();
 }
 
-void ToolMethod::place(const std::vector<double>& joints)
+void ToolMethod::place(const std::vector<double>& joints, double seconds)
 {
     joints_ = joints;
-    const ToolView& view = predict(joints);
+    const ToolView& view = predict(joints, seconds);
     const std::vector<ToolModel::Keypoint>& keypoints = model_->keypoints();
     nominalPoints_.resize(keypoints.size());
     for (size_t k = 0; k < keypoints.size(); k++)

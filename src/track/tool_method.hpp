@@ -22,7 +22,8 @@ public:
     virtual void reset();
 
     //! A frame begins: where the kinematics and the last correction have the tool.
-    void place(const std::vector<double>& joints);
+    //! @param seconds since the frame before; 0: there was none
+    void place(const std::vector<double>& joints, double seconds);
     //! Takes place() back, as if this frame had not been.
     virtual void takeBack() {}
 
@@ -65,7 +66,7 @@ protected:
     //! Readings with what is known of their errors.
     virtual void correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const { joints = readings; }
     //! The tool where joints and state have it, for place().
-    virtual const ToolView& predict(const std::vector<double>& joints) = 0;
+    virtual const ToolView& predict(const std::vector<double>& joints, double seconds) = 0;
 
     bool starts() const { return state_ == STATE_INITIALIZING && confirmed_ == 0; }
     /* So many first frames are each taken in from the hand-eye calibration alone. Their points lean towards where the templates

@@ -71,7 +71,7 @@ void ToolTrackerImpl::updateEyes(const Mat* images, size_t count, double time, c
     scene_.times.beginFrame();
     {
         StageTimer timer(scene_.times, TOTAL);
-        for (size_t i = 0; i < tools_.size(); i++) tools_[i]->place(joints[i]);
+        for (size_t i = 0; i < tools_.size(); i++) tools_[i]->place(joints[i], scene_.time > -DBL_MAX ? time - scene_.time : 0);
         const TemplateSet* ahead = 0;
         try
         {

@@ -15,7 +15,8 @@ namespace cv { namespace surgtrack {
 /** @brief The filter of METHOD_FULL: the error of the hand-eye calibration and those of the joint readings.
 
 State: the correction camera_T_nominal and, of each coordinate with ToolModel::offsetDeviations() > 0 (the first ten), constants of what
-is wrong with its readings: an offset, a gain, play, and the coupling to the coordinate before it. The sum of them at this frame's
+is wrong with its readings: an offset, a gain, play, and the coupling to the coordinate before it; and one time by which all readings are
+late. The sum of them at this frame's
 readings, d, is added to these. The state's error is (omega, v, theta), omega and v a small motion of the tool about its own centre c in
 the camera frame, `camera_T_nominal <- Trans(c + v) Exp(omega) Trans(-c) camera_T_nominal`, theta that of the constants; so rotation and
 translation are nearly independent, and P is moved to the new centre as the tool moves. Process: constant, with noise Q. Measurements: points of
@@ -34,6 +35,7 @@ public:
         CV_PROP_RW double gain;                 //!< prior standard deviation of a turning joint's gain, of its travel; 0 = none, as of the next two; defaults: what a real PSM had
         CV_PROP_RW double play;                 //!< the same, of half its play [rad]
         CV_PROP_RW double coupling;             //!< the same, of a share of the travel of the coordinate before it
+        CV_PROP_RW double delay;                //!< the same, of the time between image and readings [s]; what is known of it is taken off before
         CV_PROP_RW double pointNoise;           //!< standard deviation of a part's image point [pixel]
         CV_PROP_RW double gate;                 //!< points with a larger squared Mahalanobis distance are left out; 13.8 = 99.9 % of chi-square with 2 dof
         CV_PROP_RW double contourNoise;         //!< standard deviation of an edge along its normal [pixel]
@@ -80,8 +82,11 @@ public:
     /** @brief Back to the readings and the hand-eye calibration themselves, with the initial covariance. */
     CV_WRAP void reset();
 
-    /** @brief One frame passes. @param joints readings, one per coordinate [rad or m] @param growth factor on the deviations of Q */
-    CV_WRAP virtual void predict(const std::vector<double>& joints, double growth = 1) = 0;
+    /** @brief One frame passes.
+    @param joints readings, one per coordinate [rad or m]
+    @param growth factor on the deviations of Q
+    @param seconds since the last frame; 0 = it is the same one once more, or not known: then nothing is learnt of the delay */
+    CV_WRAP virtual void predict(const std::vector<double>& joints, double growth = 1, double seconds = 0) = 0;
 
     /** @brief Takes back everything since the last predict(); the prediction's P grows by these standard deviations, as after a push.
     @param rotation [rad] @param translation [m] */
@@ -152,6 +157,8 @@ public:
     CV_WRAP virtual const ToolView& view() const = 0;
     /** @brief camera_T_nominal. */
     CV_WRAP virtual Matx44d correction() const = 0;
+    /** @brief The image shows the joints as they are read so much later; negative: earlier [s]. */
+    CV_WRAP virtual double delay() const = 0;
     /** @brief One per coordinate, to be added to the reading [rad or m]. */
     CV_WRAP virtual const std::vector<double>& offsets() const = 0;
     //! Readings of another time with their offsets, and no jaw beyond its stop. @param readings one per coordinate @param joints result

@@ -30,6 +30,7 @@ struct CV_EXPORTS_W_SIMPLE ToolEstimate
     CV_PROP_RW double contourSupport;       //!< METHOD_FULL: share of the visible outline, in both eyes, whose strongest edge within 6 px is at most 1.5 px off (pixels at 720 px width), 0..1; else 0. Of the last pose that was looked at, also if it was not believed
     CV_PROP_RW double confidence;           //!< METHOD_FULL: probability that the pose is within 5 mm and 10 px of the truth, from this frame's evidence and from how sure the pose was that it follows from (src/track/evidence.hpp); else, and where nothing was measured, 0
     CV_PROP_RW double nis;                  //!< of the inliers, normalised innovation squared per degree of freedom; about 1 if image points are as bad as the filter takes them for, less if they are better; 0 with METHOD_EPNP and without inliers
+    CV_PROP_RW double delay;                //!< METHOD_FULL: the image shows the joints as they are read so much later, negative: earlier [s]; else 0
     CV_PROP_RW std::vector<PartMatch> matches;   //!< the inliers
 };
 
