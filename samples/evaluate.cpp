@@ -23,7 +23,7 @@ const char* const KEYS =
     "{ methods   | full,paper,epnp | methods to evaluate, separated by commas: full, paper, epnp. Worst frames are those of the first }"
     "{ frames    | 0               | number of frames of each sequence, 0 = to the end of the video }"
     "{ stereo    |                 | method full a second time with the right image, where there is one }"
-    "{ baselines |                 | systems that the paper compares with, separated by commas: gradboost, reiter2014, reiter2012 }"
+    "{ baselines |                 | systems that the paper compares with, separated by commas: gradboost, reiter2014, reiter2012; or that start from the true pose: contour, and rapid if opencv_contrib's is in the build }"
     "{ train     |                 | folders of sequences with truth that the baselines learn from, separated by commas; none of a tested video. reiter2012 rejects by colour if there are some, the others need them }"
     "{ leave-out |                 | of --train those with the tested video are left out, a sequence at a time, not refused }"
     "{ parts     | logo_pivot,logo_s,shaft_pivot | classes of parts that gradboost learns and detectors are compared by; default: those of the paper }"
@@ -84,9 +84,10 @@ void readBaselines(const CommandLineParser& parser, const std::vector<String>& s
         options.train = findSequences(split(parser, "train"));
     if (!parser.get<String>("baselines").empty())
         options.names = split(parser, "baselines");
+    static const char* const known[] = { "gradboost", "reiter2014", "reiter2012", "contour", "rapid" };
     for (size_t i = 0; i < options.names.size(); i++)
-        if (options.names[i] != "gradboost" && options.names[i] != "reiter2014" && options.names[i] != "reiter2012")
-            fail("argument '--baselines': '" + options.names[i] + "' is no baseline, those available are gradboost, reiter2014 and reiter2012");
+        if (std::find(known, known + 5, options.names[i]) == known + 5)
+            fail("argument '--baselines': '" + options.names[i] + "' is no baseline, those available are gradboost, reiter2014, reiter2012, contour and rapid");
     if (options.train.empty() ? options.learns() : options.names.empty())
         fail("arguments '--baselines' and '--train': expected both of them or none");
     if (!options.leaveOut)

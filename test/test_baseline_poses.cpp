@@ -84,17 +84,17 @@ TEST(Surgtrack_LandmarkFusion, convergesCoastsAndIsLost)
     LandmarkFusion fusion(model, wrong * rigidInverse(truth) * scene->camera_T_base(0), cameras, 1);
     EXPECT_EQ(STATE_INITIALIZING, fusion.state());
     RNG rng(19);
-    double error = 0;
+    Vec3d off;
     for (int frame = 0; frame < 30; frame++)
     {
         const double time = frame / 25.;
         fusion.predict(scene->trueJoints(0, time));
         fusion.correct(landmarksOf(*scene, time, rng), time);
         EXPECT_EQ(STATE_TRACKING, fusion.state());
-        const Vec3d off = translationOf(fusion.camera_T_tool(model)) - translationOf(scene->truePose(0, time));
-        error = cv::norm(off);
+        off = translationOf(fusion.camera_T_tool(model)) - translationOf(scene->truePose(0, time));
     }
-    EXPECT_LT(error, 0.0015);
+    EXPECT_LT(std::hypot(off[0], off[1]), 0.001);   // 8 px are 1 mm, in a single frame and of a single landmark
+    EXPECT_LT(std::abs(off[2]), 0.0045);            // three deviations: depth is seen by the size of the tool alone, 5 mm in a single frame
     for (int frame = 30; frame < 90; frame++)
     {
         const double time = frame / 25.;

@@ -9,6 +9,7 @@
 
 #include "gradboost.hpp"
 #include "options.hpp"
+#include "peers.hpp"
 #include "reiter2012.hpp"
 #include "reiter2014.hpp"
 #include "run.hpp"
@@ -37,8 +38,7 @@ public:
         if (options_.names.empty())
             return;
         makeTraining(sequence);
-        if (options_.learns())
-            learn();
+        learn();
         if (options_.has("gradboost") || options_.has("reiter2014"))
             countClasses(data, frames, result);
         if (options_.has("reiter2014"))
@@ -51,6 +51,12 @@ public:
             say(data, "reiter2012");
             result.runs.push_back(WholeTool(data, materials_.get(), options_.fine).track(frames, options_.quiet));
         }
+        for (size_t i = 0; i < options_.names.size(); i++)
+            if (options_.names[i] == "contour" || options_.names[i] == "rapid")
+            {
+                say(data, options_.names[i].c_str());
+                result.runs.push_back(trackEdges(data, options_.names[i], frames, options_.quiet));
+            }
     }
 
 private:
@@ -62,7 +68,7 @@ private:
     void makeTraining(const String& sequence)
     {
         const std::vector<String> folders = options_.trainingFor(sequence);
-        if (folders == folders_)
+        if (folders == folders_)   // none, too: then nothing learns
             return;
         folders_ = folders;
         training_ = makePtr<Training>(folders);

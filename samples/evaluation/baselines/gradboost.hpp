@@ -28,7 +28,7 @@ public:
     const std::vector<String>& classes() const CV_OVERRIDE { return classes_; }
     String constants() const CV_OVERRIDE
     {
-        String text = format("gradboost 2, %d rounds", roundCount_);
+        String text = format("gradboost 3, %d rounds", roundCount_);
         for (size_t i = 0; i < classes_.size(); i++)
             text += " " + classes_[i];
         return text;

@@ -34,7 +34,10 @@ public:
     {
         ArticulatedPoseEKF::Params params;
         params.jointOffsets = false;
-        params.pointNoise = 8 * scale;
+        params.pointNoise = 12 * scale;   // of landmarks within 40 px, on each training video with the trees of the other: 11 and 12 px
+        const ToolPoseEKF::Params published;   // a calibration changes slowly, and landmarks are coarse
+        params.processRotation = published.processRotation;
+        params.processTranslation = published.processTranslation;
         filter_ = ArticulatedPoseEKF::create(model, nominal_T_base, params);
         filter_->reset();
     }
@@ -150,7 +153,7 @@ private:
     {
         int tool, part, cls;
         Point2d expected;
-        double half, deviation;
+        double half;
     };
 
     void update(const Mat& left, const Mat& right, double time)
@@ -212,8 +215,9 @@ private:
             w.tool = tool;
             w.part = it->second->part;
             w.cls = it->first;
-            w.expected = tools_[tool]->expected(w.part, data_.tools[tool].model, w.deviation);
-            w.half = tools_[tool]->halfWindow(w.deviation);
+            double deviation;
+            w.expected = tools_[tool]->expected(w.part, data_.tools[tool].model, deviation);
+            w.half = tools_[tool]->halfWindow(deviation);
             wanted.push_back(w);
         }
         return wanted;
@@ -230,12 +234,12 @@ private:
             return;
         std::vector<PartMatch> matches;
         forest_.detect(window, w.cls, 5, matches);
-        const double near = LandmarkFusion::NEAR * tools_[w.tool]->scale(), sigma = std::sqrt(near * near + w.deviation * w.deviation);
+        const double near = LandmarkFusion::NEAR * tools_[w.tool]->scale();
         double best = 0;
         Landmark landmark = { w.part, Point2d(), Point2d(unknown(), unknown()) };
         for (size_t i = 0; i < matches.size(); i++)
         {
-            const double value = matches[i].similarity * gaussian(matches[i].imagePoint - w.expected, sigma);
+            const double value = matches[i].similarity * gaussian(matches[i].imagePoint - w.expected, near);
             if (matches[i].similarity < LEAST_POSTERIOR || value <= best)
                 continue;
             best = value;
