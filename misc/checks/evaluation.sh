@@ -104,6 +104,7 @@ names = ["frame", "tool"] + [c for c in ("tx", "ty", "tz", "qx", "qy", "qz", "qw
 out = csv.writer(sys.stdout)
 out.writerow(names)
 out.writerows([row[name] for name in names] for row in rows)' "$work/look/groundtruth.csv" >"$poses"
+  # shellcheck disable=SC2054
   local options=(--sequences="$work/look" --train="$work/learn" --baselines=gradboost,reiter2014,reiter2012,contour --rounds=20 --trees=10
     --poses="theirs:$work/theirs" --methods=epnp --frames=4 --quiet)
   sample "evaluate, baselines" limited "$evaluate" "${options[@]}" --out="$work/baseline"
