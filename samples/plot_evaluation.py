@@ -207,8 +207,8 @@ def plotClasses(pyplot, evaluation):
         axis.set_xlabel("best N candidates of a class")
         axis.set_xticks(sorted({row["top_n"] for row in rows}))
     handles, labels = axes[-1, 0].get_legend_handles_labels()
-    figure.tight_layout(rect=(0, 0.07 + 0.02 * (len(variants) == 1), 1, 1))
-    figure.legend(handles, labels, loc="lower center", fontsize=7, ncol=len(thresholds) * 3)
+    figure.tight_layout(rect=(0, 0.1 if len(variants) > 1 else 0.17, 1, 1))
+    figure.legend(handles, labels, loc="lower center", fontsize=7, ncol=max(1, len(labels) // len(thresholds)))
     save(pyplot, figure, evaluation.folder, "detection_classes.png")
 
 

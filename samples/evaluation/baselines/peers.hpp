@@ -85,7 +85,8 @@ private:
 
 #ifdef HAVE_OPENCV_RAPID
 
-//! cv::rapid with the part of the tool about its end effector as a rigid mesh, made anew for each frame's joints.
+/** cv::rapid with the part of the tool about its end effector as a rigid mesh, made anew for each frame's joints. With search lines longer
+than 4 px it takes inner edges of the steel for the outline. */
 class RapidTracker : public EdgeTracker
 {
 public:
@@ -108,7 +109,7 @@ public:
         bool measured = false;
         try
         {
-            measured = rapid::Rapid::create(vertices, triangles)->compute(undistorted, 100, cvRound(8 * scale_), camera_.cameraMatrix(), rvec, tvec) > 0.5f;
+            measured = rapid::Rapid::create(vertices, triangles)->compute(undistorted, 100, cvRound(4 * scale_), camera_.cameraMatrix(), rvec, tvec) > 0.5f;
         }
         catch (const Exception&)
         {
@@ -116,6 +117,7 @@ public:
         }
         Matx33d R;
         Rodrigues(rvec, R);
+        measured = measured && norm(Vec3d(tvec.ptr<double>()) - translation) < 0.005;   // no step of a frame, but the start of a divergence
         camera_T_tool = measured ? rigid(R, Vec3d(tvec.ptr<double>())) : expected;
         correction_ = camera_T_tool * rigidInverse(nominal);
         return measured;
