@@ -11,9 +11,13 @@ Installs what is missing (apt), gets OpenCV's source and opencv_contrib's, build
 opencv_contrib's modules rgbd (cv::linemod) and rapid, and runs those that have a peer: one thread, SAMPLES timings each
 (default: 50), in one process. Prints a table of the medians and their ratios. Needs no display.
 
+With SEQUENCES it also tracks these, and prints how far off the poses are and how many frames a second there are, in one run: ours,
+ours without parts (contour) and cv::rapid, both from the true pose of the first frame, the controls, and poses of other programs.
+
 Leaves in the build folder:
   peers.md, peers.csv   the table
   peers.xml             what the performance tests measured
+  poses/                what example_surgtrack_evaluate writes of SEQUENCES
 
 environment:
   BUILD_DIR               build folder, kept for the next run (default: build-peers/ in the repository)
@@ -21,6 +25,8 @@ environment:
                           else a git clone of 4.x)
   OPENCV_CONTRIB_SOURCE   opencv_contrib source tree of the same version (default: OPENCV_SOURCE/contrib, where Debian's
                           source package has it, else a git clone)
+  SEQUENCES               folders of sequences with groundtruth.csv, separated by commas (default: none)
+  POSES                   NAME:FILE,...: poses of other programs, see --poses of example_surgtrack_evaluate (default: none)
   JOBS                    parallel compilations (default: number of processors)
 TEXT
 }
@@ -85,8 +91,8 @@ prepare
 ensure_contrib
 # shellcheck disable=SC2054
 CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO;$OPENCV_CONTRIB_SOURCE/modules/rgbd;$OPENCV_CONTRIB_SOURCE/modules/rapid"
-  -DBUILD_LIST=surgtrack,rgbd,rapid,ts -DBUILD_EXAMPLES=OFF -DBUILD_TESTS=OFF -DBUILD_opencv_python3=OFF)
-build opencv_perf_surgtrack
+  -DBUILD_LIST=surgtrack,rgbd,rapid,ts "-DBUILD_EXAMPLES=$([[ -n "${SEQUENCES:-}" ]] && echo ON || echo OFF)" -DBUILD_TESTS=OFF -DBUILD_opencv_python3=OFF)
+build opencv_perf_surgtrack ${SEQUENCES:+example_surgtrack_evaluate}
 
 step "Measuring ($samples samples each, one thread)"
 report="$BUILD_DIR/peers"
@@ -103,3 +109,10 @@ step "Ours and theirs"
 "$PYTHON" "$REPO/misc/compare_peers.py" "$report.xml" "$report.md" "$report.csv" || die "no table could be made of $report.xml"
 echo
 echo "$report.md"
+
+if [[ -n "${SEQUENCES:-}" ]]; then
+  step "Poses of ours and of theirs"
+  env -u DISPLAY "$BUILD_DIR/bin/example_surgtrack_evaluate" --sequences="$SEQUENCES" --methods=full --baselines=contour,rapid --quiet \
+    --out="$BUILD_DIR/poses" ${POSES:+"--poses=$POSES"} || die "example_surgtrack_evaluate failed"
+  echo "$BUILD_DIR/poses/report.md"
+fi

@@ -5,7 +5,8 @@
 // Measures the tracker on sequences whose truth is known: the tables and figures of Ye et al. 2016, Sec. 3, and whether the filter is
 // as good as it says.
 
-#include "evaluation/baselines/run.hpp"
+#include "evaluation/baselines/baselines.hpp"
+#include "evaluation/given_poses.hpp"
 #include "evaluation/report.hpp"
 
 using namespace cv;
@@ -22,18 +23,26 @@ const char* const KEYS =
     "{ methods   | full,paper,epnp | methods to evaluate, separated by commas: full, paper, epnp. Worst frames are those of the first }"
     "{ frames    | 0               | number of frames of each sequence, 0 = to the end of the video }"
     "{ stereo    |                 | method full a second time with the right image, where there is one }"
-    "{ baselines |                 | gradboost: detection.csv has the detector of Sznitman et al. 2014 beside ours; needs --train }"
-    "{ train     |                 | folders of sequences with truth that the baselines learn from, separated by commas; none of a tested video }"
+    "{ baselines |                 | systems that the paper compares with, separated by commas: gradboost, reiter2014, reiter2012; or that start from the true pose: contour, and rapid if opencv_contrib's is in the build }"
+    "{ train     |                 | folders of sequences with truth that the baselines learn from, separated by commas; none of a tested video. reiter2012 rejects by colour if there are some, the others need them }"
+    "{ leave-out |                 | of --train those with the tested video are left out, a sequence at a time, not refused }"
+    "{ parts     | logo_pivot,logo_s,shaft_pivot | classes of parts that gradboost learns and detectors are compared by; default: those of the paper }"
     "{ rounds    | 200             | that gradboost learns }"
+    "{ no-early-stopping |         | gradboost looks at all of them everywhere }"
+    "{ trees     | 60              | of reiter2014 }"
+    "{ hypotheses | coarse         | of reiter2012: coarse, 405, or fine, 3645 }"
+    "{ poses     |                 | NAME:FILE[,NAME:FILE...]: poses of other programs beside ours, files as track_sequence writes; a folder instead of FILE has a SEQUENCE.csv each }"
     "{ part      |                 | write no tables: one of several processes with a share of the sequences each, --merge comes last }"
     "{ merge     |                 | run nothing: tables of the results that are in --out }"
     "{ quiet     |                 | no progress }";
 
 struct Options
 {
-    std::vector<String> sequences, methods, train;   // train: empty without baselines
+    std::vector<String> sequences, methods;
+    BaselineOptions baselines;
+    std::vector<GivenPoses> poses;
     String out;
-    int frames, rounds;
+    int frames;
     bool stereo, part, merge, quiet;
 };
 
@@ -59,18 +68,30 @@ int methodOf(const String& name)
     return name == "full" ? METHOD_FULL : name == "paper" ? METHOD_PAPER : METHOD_EPNP;
 }
 
-void readBaselines(const CommandLineParser& parser, Options& options)
+void readBaselines(const CommandLineParser& parser, const std::vector<String>& sequences, BaselineOptions& options)
 {
     options.rounds = common::integer(parser, "rounds", 1, 1000);
-    const bool train = !parser.get<String>("train").empty();
-    if (train == parser.get<String>("baselines").empty())
+    options.trees = common::integer(parser, "trees", 1, 1000);
+    options.parts = split(parser, "parts");
+    options.early = !parser.has("no-early-stopping");
+    options.leaveOut = parser.has("leave-out");
+    options.quiet = parser.has("quiet");
+    const String hypotheses = parser.get<String>("hypotheses");
+    options.fine = hypotheses == "fine";
+    if (!options.fine && hypotheses != "coarse")
+        fail("argument '--hypotheses': '" + hypotheses + "', expected coarse or fine");
+    if (!parser.get<String>("train").empty())
+        options.train = findSequences(split(parser, "train"));
+    if (!parser.get<String>("baselines").empty())
+        options.names = split(parser, "baselines");
+    static const char* const known[] = { "gradboost", "reiter2014", "reiter2012", "contour", "rapid" };
+    for (size_t i = 0; i < options.names.size(); i++)
+        if (std::find(known, known + 5, options.names[i]) == known + 5)
+            fail("argument '--baselines': '" + options.names[i] + "' is no baseline, those available are gradboost, reiter2014, reiter2012, contour and rapid");
+    if (options.train.empty() ? options.learns() : options.names.empty())
         fail("arguments '--baselines' and '--train': expected both of them or none");
-    if (!train)
-        return;
-    if (parser.get<String>("baselines") != "gradboost")
-        fail("argument '--baselines': '" + parser.get<String>("baselines") + "' is no baseline, the one available is gradboost");
-    options.train = findSequences(split(parser, "train"));
-    checkLeaks(options.train, options.sequences);
+    if (!options.leaveOut)
+        checkLeaks(options.train, sequences);
 }
 
 Options readOptions(const CommandLineParser& parser)
@@ -95,7 +116,10 @@ Options readOptions(const CommandLineParser& parser)
     if (options.part && options.merge)
         fail("arguments '--part' and '--merge': expected one of them, or none for both in turn");
     options.quiet = parser.has("quiet");
-    readBaselines(parser, options);
+    readBaselines(parser, options.sequences, options.baselines);
+    const std::vector<String> poses = parser.get<String>("poses").empty() ? std::vector<String>() : split(parser, "poses");
+    for (size_t i = 0; i < poses.size(); i++)
+        options.poses.push_back(GivenPoses::parse(poses[i]));
     return options;
 }
 
@@ -123,7 +147,7 @@ Run track(const Data& data, const String& name, const Options& options, bool ste
     return run.track(options.frames, options.quiet);
 }
 
-void evaluateSequence(const Options& options, const Data& data, GradBoost* gradboost, Result& result)
+void evaluateSequence(const Options& options, const String& folder, const Data& data, Baselines& baselines, Result& result)
 {
     result.label = data.label;
     for (size_t i = 0; i < data.tools.size(); i++)
@@ -137,19 +161,31 @@ void evaluateSequence(const Options& options, const Data& data, GradBoost* gradb
         if (options.methods[i] == "full" && options.stereo && data.sequence->isStereo())
             result.runs.push_back(track(data, "full-stereo", options, true));
     }
-    result.runs.push_back(control(data, false, options.frames));
-    result.runs.push_back(control(data, true, options.frames));
     if (!options.quiet)
         std::fprintf(stderr, "%s: detection of parts\n", data.label.c_str());
     DetectionRun detection(data);
     result.detection = detection.run(options.frames, options.quiet);
-    if (!gradboost)
-        return;
-    if (!options.quiet)
-        std::fprintf(stderr, "%s: detection by gradboost\n", data.label.c_str());
-    result.gradboost = countBaseline(data, *gradboost, options.frames, options.quiet);
-    if (!options.quiet)
-        std::fprintf(stderr, "gradboost: %.1f of %d rounds a pixel\n", gradboost->meanRounds(), gradboost->rounds());
+    baselines.evaluate(folder, data, options.frames, result);
+    result.runs.push_back(control(data, false, options.frames));
+    result.runs.push_back(control(data, true, options.frames));
+}
+
+//! Poses that other programs have of the sequence, before the controls: they are read when tables are made, and so may change.
+void addPoses(const Options& options, const String& folder, Result& result)
+{
+    Data data;
+    for (size_t i = 0; i < options.poses.size(); i++)
+    {
+        const String file = options.poses[i].fileOf(folder), name = options.poses[i].name;
+        if (find(result, name))
+            fail("argument '--poses': '" + name + "' is the name of a method already");
+        if (file.empty())
+            continue;
+        if (!data.sequence)
+            data.load(folder);
+        const Run run = PosesFile::read(data, name, file, options.frames);
+        result.runs.insert(result.runs.end() - 2, run);
+    }
 }
 
 //! Those of an earlier evaluation, whose sequences may have had other labels.
@@ -184,17 +220,17 @@ void writeAll(const Options& options, const Results& results, const std::vector<
     writeReport(utils::fs::join(out, "report.md"), results, failures);
 }
 
-//! What other options make another result. @param model empty: there is none
-String settingsOf(const Options& options, const String& model)
+//! What other options make another result. @param models of the baselines; empty: there are none
+String settingsOf(const Options& options, const String& models)
 {
     String settings = format("%d frames%s", options.frames, options.stereo ? ", stereo" : "");
     for (size_t i = 0; i < options.methods.size(); i++)
         settings += " " + options.methods[i];
-    return model.empty() ? settings : settings + ", " + model;
+    return models.empty() ? settings : settings + "," + models;
 }
 
 //! Leaves NAME.yml.gz, or, if the sequence can't be evaluated, NAME.failed with the reason.
-void makeResult(const Options& options, const String& folder, const String& name, GradBoost* gradboost)
+void makeResult(const Options& options, const String& folder, const String& name, Baselines& baselines)
 {
     std::remove((name + ".failed").c_str());
     std::string error;
@@ -203,7 +239,7 @@ void makeResult(const Options& options, const String& folder, const String& name
         Data data;
         data.load(folder);
         Result result;
-        evaluateSequence(options, data, gradboost, result);
+        evaluateSequence(options, folder, data, baselines, result);
         save(name + ".yml.gz", result);
         return;
     }
@@ -236,24 +272,15 @@ int run(const CommandLineParser& parser)
     const String probe = partOf(utils::fs::join(folder, "probe"));   // better now than after an hour
     TextFile(probe).finish();
     std::remove(probe.c_str());
-    Ptr<GradBoost> gradboost;
-    String model;
-    if (!options.train.empty())
-    {
-        gradboost = makePtr<GradBoost>(options.rounds);
-        const Training training(options.train);
-        model = gradboost->constants() + " " + training.print();
-        if (!options.merge)
-            prepare(*gradboost, training, utils::fs::join(options.out, "models"), options.quiet);
-    }
+    Baselines baselines(options.baselines, utils::fs::join(options.out, "models"));
     Results results;
     std::vector<std::string> failures;
     for (size_t i = 0; i < options.sequences.size(); i++)
     {
         const String& sequence = options.sequences[i];
-        const String name = resultName(folder, sequence, settingsOf(options, model));
+        const String name = resultName(folder, sequence, settingsOf(options, baselines.settings(sequence)));
         if (!options.merge && !utils::fs::exists(name + ".yml.gz"))
-            makeResult(options, sequence, name, gradboost.get());
+            makeResult(options, sequence, name, baselines);
         else if (!options.quiet && !options.merge)
             std::fprintf(stderr, "%s: is in %s already\n", sequence.c_str(), folder.c_str());
         const String failure = failureOf(options, sequence, name);
@@ -267,6 +294,7 @@ int run(const CommandLineParser& parser)
             const Ptr<Result> result = makePtr<Result>();
             load(name + ".yml.gz", *result);
             result->label = uniqueLabel(result->label, results);
+            addPoses(options, sequence, *result);
             results.push_back(result);
         }
     }
@@ -285,6 +313,7 @@ int main(int argc, char** argv)
 {
     const common::Program program = { NAME, "Measures the tracker on sequences whose truth is known; writes tables, frame by frame errors and report.md.\n"
                                       "plot_evaluation.py makes the plots.",
-                                      KEYS, { "sequences", "out", "methods", "frames", "baselines", "train", "rounds" }, { "stereo", "part", "merge", "quiet" } };
+                                      KEYS, { "sequences", "out", "methods", "frames", "baselines", "train", "parts", "rounds", "trees", "hypotheses", "poses" },
+                                      { "stereo", "leave-out", "no-early-stopping", "part", "merge", "quiet" } };
     return common::runProgram(argc, argv, program, run);
 }

@@ -14,6 +14,18 @@ import sys
 import time
 
 PROGRAM = 'example_surgtrack_evaluate'
+BASELINES = {  # options handed on as they are
+    'baselines': 'systems that the paper compares with: gradboost, reiter2014, reiter2012',
+    'train': 'folders of sequences with truth that they learn from',
+    'parts': 'classes of parts that gradboost learns',
+    'rounds': 'that gradboost learns',
+    'trees': 'of reiter2014',
+    'hypotheses': 'of reiter2012: coarse or fine',
+}
+FLAGS = {
+    'leave-out': 'of --train those with the tested video are left out, not refused',
+    'no-early-stopping': 'gradboost looks at all rounds everywhere',
+}
 ATTEMPTS = 2  # a sequence that failed is run once more: files may come late, memory may have been short
 
 
@@ -41,6 +53,11 @@ def make_parser(description):
     parser.add_argument('--methods', default='full,paper,epnp', help='full, paper, epnp; worst frames are those of the first')
     parser.add_argument('--frames', default='0', help='number of frames of each sequence, 0 = to the end of the video')
     parser.add_argument('--stereo', action='store_true', help='method full a second time with the right image, where there is one')
+    for name, text in BASELINES.items():
+        parser.add_argument('--' + name, help=text)
+    for name, text in FLAGS.items():
+        parser.add_argument('--' + name, action='store_true', help=text)
+    parser.add_argument('--poses', metavar='NAME:FILE[,NAME:FILE...]', help='poses of other programs beside ours')
     parser.add_argument('--program', default=find_program(), metavar='FILE', help='the %s to run (default: %%(default)s)' % PROGRAM)
     parser.add_argument('--quiet', action='store_true', help='no progress')
     return parser
@@ -69,13 +86,21 @@ def find_sequences(folders):
 def command(args, sequences, *flags):
     """The command line for some of the sequences."""
     line = [args.program, '--sequences=' + sequences, '--out=' + args.out, '--methods=' + args.methods, '--frames=' + args.frames]
+    values = {name: getattr(args, name) for name in BASELINES}
+    line += ['--%s=%s' % item for item in values.items() if item[1] is not None]
+    line += ['--' + name for name in FLAGS if getattr(args, name.replace('-', '_'))]
     return line + ['--stereo'] * args.stereo + ['--quiet'] + list(flags)
+
+
+def merging(args):
+    """The flags of the last call, which alone needs the poses of others."""
+    return ['--merge'] + (['--poses=' + args.poses] if args.poses is not None else [])
 
 
 def check(args):
     """Refuses options that example_surgtrack_evaluate refuses, now and not for each sequence."""
     try:
-        probe = subprocess.run(command(args, os.path.join(args.out, 'none'), '--merge'), capture_output=True, text=True)
+        probe = subprocess.run(command(args, os.path.join(args.out, 'none'), *merging(args)), capture_output=True, text=True)
     except OSError as error:
         raise Failure("argument '--program=%s': %s" % (args.program, error.strerror))
     line = probe.stderr.strip().partition(': ')[2]
@@ -117,7 +142,7 @@ class Report:
 def merge(args):
     """Makes the tables from the results. Its exit code is 1 if a sequence has none; it tells which, and why."""
     sys.stdout.flush()
-    return subprocess.run(command(args, args.sequences, '--merge')).returncode
+    return subprocess.run(command(args, args.sequences, *merging(args))).returncode
 
 
 def main():

@@ -40,6 +40,8 @@ def main():
     args.program = os.path.abspath(args.program) if os.path.dirname(args.program) else args.program
     args.out = os.path.abspath(args.out)
     args.sequences = ','.join(os.path.abspath(folder) for folder in args.sequences.split(','))
+    if args.train is not None:
+        args.train = ','.join(os.path.abspath(folder) for folder in args.train.split(','))
     evaluate.check(args)
     sequences = evaluate.find_sequences(args.sequences)
     report = evaluate.Report(args, len(sequences))

@@ -11,9 +11,11 @@ import os
 import sys
 
 TITLES = {"full-stereo": "full, stereo"}
-COLORS = {"full": "tab:green", "full-stereo": "tab:olive", "paper": "tab:blue", "epnp": "tab:orange", "recorded": "0.45", "frozen": "0.75"}
+COLORS = {"full": "tab:green", "full-stereo": "tab:olive", "paper": "tab:blue", "epnp": "tab:orange", "reiter2014": "tab:red", "reiter2012": "tab:purple", "contour": "tab:cyan", "rapid": "tab:brown", "recorded": "0.45", "frozen": "0.75"}
 CONTROLS = ("recorded", "frozen")
 VARIANTS = [("raw", "templates drawn with the raw hand-eye"), ("tracked", "templates drawn as tracked")]
+CLASS_VARIANTS = ["image", "window"]
+DETECTORS = {"qgo": ("-", "o"), "gradboost": ("--", "s"), "forest": (":", "^")}
 # What holds 95 % of a chi-square variable with 6 degrees of freedom.
 NEES_BAND = (1.237344, 14.449375)
 
@@ -62,8 +64,9 @@ class Evaluation:
         table = read(folder, "table.csv", ["sequence", "tool", "method"] + scores, scores)
         self.scores = [row for row in table if row["tool"] == "all"]
         rates = ["threshold_px", "top_n", "rate", "samples"]
-        self.detection = [row for row in read(folder, "detection.csv", ["sequence", "variant", "part"] + rates, rates)
-                          if row["variant"] in [variant for variant, _ in VARIANTS]]   # not those of baselines
+        detection = read(folder, "detection.csv", ["sequence", "variant", "part"] + rates, rates)
+        self.detection = [row for row in detection if row["variant"] in [variant for variant, _ in VARIANTS]]
+        self.classes = [row for row in detection if row["variant"] in CLASS_VARIANTS and row["part"] == "all"]   # with baselines
         axes = ["mean_abs", "std_abs"]
         self.axes = read(folder, "rotation_axes.csv", ["sequence", "method", "axis"] + axes, axes)
         self.sequences = unique(row["sequence"] for row in self.scores)
@@ -177,6 +180,36 @@ def plotDetection(pyplot, evaluation):
     axes[-1].legend(fontsize=8)
     figure.tight_layout()
     save(pyplot, figure, evaluation.folder, "detection.png")
+
+
+def plotClasses(pyplot, evaluation):
+    """The paper's Fig. 3 a-b: a panel a sequence, a colour a threshold, solid ours and dashed the others; below in windows."""
+    rows = evaluation.classes
+    sequences = [name for name in unique(row["sequence"] for row in rows) if name != "all"] or ["all"]
+    variants = [variant for variant in CLASS_VARIANTS if any(row["variant"] == variant for row in rows)]
+    figure, axes = pyplot.subplots(len(variants), len(sequences), squeeze=False, sharex=True, sharey=True,
+                                   figsize=(2.5 + 3.2 * len(sequences), 0.8 + 2.9 * len(variants)))
+    thresholds = sorted({row["threshold_px"] for row in rows})
+    for line, variant in zip(axes, variants):
+        for axis, sequence in zip(line, sequences):
+            for detector in unique(row["detector"] for row in rows):
+                style, marker = DETECTORS.get(detector, ("-.", "x"))
+                for threshold, color in zip(thresholds, ("tab:red", "tab:blue", "tab:green")):
+                    points = sorted((row["top_n"], 100 * row["rate"]) for row in rows
+                                    if (row["sequence"], row["variant"], row["detector"], row["threshold_px"]) == (sequence, variant, detector, threshold))
+                    axis.plot([n for n, _ in points], [rate for _, rate in points], style, marker=marker, ms=3, color=color,
+                              label="%s, %g px" % (detector, threshold) if points else None)
+            axis.set_title("%s, %s" % (sequence, {"image": "whole image", "window": "windows of the kinematics"}[variant]), fontsize=9)
+            axis.grid(alpha=0.3)
+            axis.set_ylim(0, 102)
+        line[0].set_ylabel("detection rate [%]")
+    for axis in axes[-1]:
+        axis.set_xlabel("best N candidates of a class")
+        axis.set_xticks(sorted({row["top_n"] for row in rows}))
+    handles, labels = axes[-1, 0].get_legend_handles_labels()
+    figure.tight_layout(rect=(0, 0.1 if len(variants) > 1 else 0.17, 1, 1))
+    figure.legend(handles, labels, loc="lower center", fontsize=7, ncol=max(1, len(labels) // len(thresholds)))
+    save(pyplot, figure, evaluation.folder, "detection_classes.png")
 
 
 def plotDetectionOfParts(pyplot, evaluation):
@@ -317,6 +350,8 @@ def plot(evaluation):
     plotScores(pyplot, evaluation)
     plotDetection(pyplot, evaluation)
     plotDetectionOfParts(pyplot, evaluation)
+    if evaluation.classes:
+        plotClasses(pyplot, evaluation)
     plotAxes(pyplot, evaluation)
     for sequence in evaluation.sequences:
         if sequence != "all" and evaluation.withCovariance(sequence):

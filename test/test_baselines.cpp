@@ -5,6 +5,7 @@
 // What the evaluation's baselines are made of; misc/checks/evaluation.sh runs them as a whole.
 
 #include "test_common.hpp"
+#include "../samples/evaluation/baselines/forest.hpp"
 #include "../samples/evaluation/baselines/gradboost.hpp"
 
 namespace opencv_test { namespace {
@@ -133,8 +134,8 @@ void checkChannels(const Mat& image)
     }
     Mat bins = Mat::zeros(channels.size(), CV_8U);
     for (int i = 0; i < Channels::BINS; i++)
-        bins += channels.plane(4 + i);
-    EXPECT_EQ(0, cvtest::norm(bins, channels.plane(3), NORM_INF));
+        bins += channels.plane(1 + i);
+    EXPECT_EQ(0, cvtest::norm(bins, channels.plane(0), NORM_INF));
 }
 
 TEST(Surgtrack_Channels, sumsAreThoseOfPixels)
@@ -153,6 +154,179 @@ TEST(Surgtrack_Channels, featuresAreInsideTheWindow)
     const int half = ChannelFeature::WINDOW / 2;
     for (size_t i = 0; i < features.size(); i++)
         EXPECT_EQ(features[i].box, features[i].box & Rect(-half, -half, 2 * half, 2 * half)) << i;
+}
+
+// The nine values of a pixel, from their definition; x and y are about the place.
+std::vector<Vec<double, 9> > valuesAbout(const Mat& image, const Point& place, int radius)
+{
+    Mat padded, grey, dx, dy;   // the edge goes on beyond the image
+    cv::copyMakeBorder(image, padded, 30, 30, 30, 30, BORDER_REPLICATE);
+    cv::cvtColor(padded, grey, COLOR_BGR2GRAY);
+    cv::Sobel(grey, dx, CV_64F, 1, 0);
+    cv::Sobel(grey, dy, CV_64F, 0, 1);
+    std::vector<Vec<double, 9> > values;
+    for (int y = place.y - radius; y <= place.y + radius; y++)
+        for (int x = place.x - radius; x <= place.x + radius; x++)
+        {
+            const Vec3b c = padded.at<Vec3b>(y + 30, x + 30);
+            const double a = std::abs(dx.at<double>(y + 30, x + 30)) / 1020, b = std::abs(dy.at<double>(y + 30, x + 30)) / 1020;
+            values.push_back(Vec<double, 9>((x - place.x) / 20., (y - place.y) / 20., c[2] / 255., c[1] / 255., c[0] / 255., a, b,
+                                            std::sqrt(a * a + b * b), std::atan2(b, a)));
+        }
+    return values;
+}
+
+Mat randomImage(int low, int high)
+{
+    Mat image(70, 90, CV_8UC3);
+    RNG rng(11);
+    rng.fill(image, RNG::UNIFORM, low, high);
+    cv::GaussianBlur(image, image, Size(5, 5), 0);
+    return image;
+}
+
+TEST(Surgtrack_Covariance, isThatOfTheDefinition)
+{
+    const Mat image = randomImage(0, 256);
+    CovarianceImage covariances;
+    covariances.setImage(image);
+    covariances.prepare(Rect(0, 10, 90, 40));
+    const Point places[] = { Point(40, 30), Point(0, 10), Point(89, 49) };
+    for (int i = 0; i < 3; i++)
+        for (int size = 0; size < 2; size++)
+        {
+            double mean[9];
+            Matx99d C, expected = Matx99d::zeros();
+            covariances.covariance(places[i], size, mean, C);
+            const std::vector<Vec<double, 9> > values = valuesAbout(image, places[i], CovarianceImage::radius(size));
+            Vec<double, 9> average = Vec<double, 9>::all(0);
+            for (size_t k = 0; k < values.size(); k++)
+                average += values[k] * (1. / values.size());
+            for (size_t k = 0; k < values.size(); k++)
+                expected += (values[k] - average) * (values[k] - average).t() * (1. / values.size());
+            expected += Matx99d::eye() * 1e-3;
+            for (int k = 2; k < 9; k++)
+                EXPECT_NEAR(average[k], mean[k], 1e-6);   // the values are kept as floats
+            EXPECT_LT(cv::norm(C - expected, NORM_INF), 1e-6) << places[i] << " " << size;
+        }
+}
+
+// Of grey levels far from 0 and 255 the gradients are the same.
+TEST(Surgtrack_Covariance, gradientsDoNotSeeAConstant)
+{
+    const Mat dark = randomImage(40, 120);
+    Mat bright;
+    cv::add(dark, Scalar::all(60), bright);
+    Matx99d C[2];
+    for (int i = 0; i < 2; i++)
+    {
+        CovarianceImage covariances;
+        covariances.setImage(i == 0 ? dark : bright);
+        covariances.prepare(Rect(30, 30, 1, 1));
+        double mean[9];
+        covariances.covariance(Point(30, 30), 0, mean, C[i]);
+    }
+    EXPECT_LT(cv::norm(C[0] - C[1], NORM_INF), 1e-5);   // floats, of values up to 1.6
+}
+
+TEST(Surgtrack_Covariance, logarithmIsThatOfEigenvalues)
+{
+    RNG rng(13);
+    Mat A(9, 9, CV_64F), values, vectors;
+    rng.fill(A, RNG::UNIFORM, -1, 1);
+    const Mat C = A * A.t() + Mat::eye(9, 9, CV_64F) * 1e-3;
+    cv::eigen(C, values, vectors);
+    cv::log(values, values);
+    const Mat expected = vectors.t() * Mat::diag(values) * vectors;
+    EXPECT_LT(cv::norm(Mat(matrixLog(Matx99d(C.ptr<double>()))), expected, NORM_INF), 1e-9);
+}
+
+TEST(Surgtrack_Covariance, isFiniteWhereNothingIs)
+{
+    const Mat sizes[] = { Mat(41, 33, CV_8UC3, Scalar::all(90)), Mat(30, 47, CV_8U, Scalar::all(0)) };
+    for (int i = 0; i < 2; i++)
+    {
+        CovarianceImage covariances;
+        covariances.setImage(sizes[i]);
+        covariances.prepare(Rect(Point(), sizes[i].size()));
+        std::vector<float> values(CovarianceImage::LENGTH * CovarianceImage::SIZES);
+        covariances.describe(Point(3, 5), values.data());
+        EXPECT_TRUE(checkRange(Mat(values)));
+    }
+}
+
+TEST(Surgtrack_Forest, learnsClustersAndComesFromItsFile)
+{
+    RNG rng(17);
+    Mat values(900, 4, CV_32F);
+    std::vector<int> labels;
+    for (int i = 0; i < values.rows; i++)
+    {
+        labels.push_back(i % 3);
+        for (int j = 0; j < 4; j++)
+            values.at<float>(i, j) = float(rng.gaussian(0.5) + (j == labels[i] ? 4 : 0));   // eight deviations apart
+    }
+    RandomTrees::Params params;
+    params.trees = 10;
+    RandomTrees trees, other;
+    trees.train(values, labels, 3, params);
+    FileStorage file(".yml", FileStorage::WRITE | FileStorage::MEMORY);
+    trees.write(file);
+    ASSERT_TRUE(other.read(FileStorage(file.releaseAndGetString(), FileStorage::READ | FileStorage::MEMORY).root()));
+    int right = 0;
+    for (int i = 0; i < values.rows; i++)
+    {
+        double p[3], q[3];
+        trees.posterior(values.ptr<float>(i), p);
+        other.posterior(values.ptr<float>(i), q);
+        EXPECT_NEAR(1, p[0] + p[1] + p[2], 1e-5);   // of floats
+        right += std::max_element(p, p + 3) - p == labels[i];
+        for (int k = 0; k < 3; k++)
+            EXPECT_EQ(p[k], q[k]);
+    }
+    EXPECT_GT(right, 0.99 * values.rows);
+}
+
+// Folders that name the same video, and one with a copy of it.
+TEST(Surgtrack_Baselines, refuseToLearnFromTestedVideos)
+{
+    const String root = cv::tempfile("");
+    SyntheticScene::Params params;
+    params.frames = 2;
+    params.imageSize = Size(160, 120);
+    const String names[] = { "one", "worn", "copy", "other" };
+    for (int i = 0; i < 4; i++)
+    {
+        params.seed = i == 3 ? 2 : 1;
+        SyntheticScene::create(Ptr<ToolModel>(), params)->write(utils::fs::join(root, names[i]));
+    }
+    const std::vector<String> tested(1, utils::fs::join(root, "one"));
+    CameraPair cameras;
+    cameras.left = Sequence::load(tested[0])->leftCamera();
+    writeSequenceCameras(utils::fs::join(root, "worn"), cameras, "../one/left.mp4");
+    for (int i = 0; i < 3; i++)
+    {
+        const String training = utils::fs::join(root, names[i]);
+        const std::string text = errorText([&]() { checkLeaks(std::vector<String>(1, training), tested); });
+        EXPECT_NE(std::string::npos, text.find(training)) << text;
+        EXPECT_NE(std::string::npos, text.find(tested[0])) << text;
+    }
+    EXPECT_NO_THROW(checkLeaks(std::vector<String>(1, utils::fs::join(root, "other")), tested));
+    utils::fs::remove_all(root);
+}
+
+TEST(Surgtrack_Baselines, refuseThoseOfTheEvaluation)
+{
+    const char* const data = std::getenv("SURGTRACK_DATA");
+    if (!data || !utils::fs::exists(utils::fs::join(data, "sequences/paper_rig_worn")))
+        throw SkipTestException("SURGTRACK_DATA does not name a folder that has sequences/paper_rig_worn");
+    const String folder = utils::fs::join(data, "sequences");
+    const char* const pairs[][2] = { { "paper_rig_worn", "paper_rig" }, { "paper_rig", "paper_rig_realjoints" },
+                                     { "exvivo_dual_moved_realjoints", "exvivo_dual_moved" }, { "phantom_stereo", "phantom_stereo_realjoints" } };
+    for (int i = 0; i < 4; i++)
+        EXPECT_ERROR(checkLeaks(std::vector<String>(1, utils::fs::join(folder, pairs[i][0])), std::vector<String>(1, utils::fs::join(folder, pairs[i][1]))),
+                     pairs[i][1]);
+    EXPECT_NO_THROW(checkLeaks(std::vector<String>(1, utils::fs::join(folder, "paper_rig")), std::vector<String>(1, utils::fs::join(folder, "exvivo_single"))));
 }
 
 TEST(Surgtrack_Baselines, suppressesNeighbours)

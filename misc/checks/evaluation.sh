@@ -60,44 +60,78 @@ for r in read("worst.csv"):
 PYTHON
 }
 
-# baseline_sound DIR: detection.csv has the baseline beside ours, and its rates rise with N and threshold.
+# baseline_sound DIR: all rows of the baselines are there; rates rise with N and threshold; poses of others count as ours do.
 baseline_sound() {
-  "$PYTHON" - "$1/detection.csv" <<'PYTHON'
-import csv, sys
-rates = {}
-for r in csv.DictReader(open(sys.argv[1], newline="")):
-    if r["detector"] == "gradboost":
-        assert r["variant"] == "image", r
+  "$PYTHON" - "$1" <<'PYTHON'
+import csv, os, sys
+def read(name):
+    return list(csv.DictReader(open(os.path.join(sys.argv[1], name), newline="")))
+rates, classes = {}, {}
+for r in read("detection.csv"):
+    if r["variant"] in ("image", "window"):
+        classes.setdefault((r["detector"], r["variant"]), set()).add(r["part"])
         if r["rate"]:
-            rates[r["sequence"], r["part"], int(r["threshold_px"]), int(r["top_n"])] = float(r["rate"])
-assert {k[1] for k in rates} == {"logo_pivot", "logo_s", "shaft_pivot", "all"}, rates
-for (s, p, t, n), rate in rates.items():
+            rates[r["detector"], r["variant"], r["sequence"], r["part"], int(r["threshold_px"]), int(r["top_n"])] = float(r["rate"])
+paper = {"logo_pivot", "logo_s", "shaft_pivot", "all"}
+for detector in ("qgo", "gradboost"):
+    for variant in ("image", "window"):
+        assert classes[detector, variant] == paper, classes
+assert classes["forest", "window"] > paper and ("forest", "image") not in classes, classes
+for key, rate in rates.items():
+    t, n = key[-2:]
     assert 0 <= rate <= 1
-    assert n == 5 or rates[s, p, t, n + 1] >= rate, (s, p, t, n)
-    assert t == 20 or rates[s, p, 2 * t, n] >= rate, (s, p, t, n)
+    assert n == 5 or rates[key[:-1] + (n + 1,)] >= rate, key
+    assert t == 20 or rates[key[:-2] + (2 * t, n)] >= rate, key
+rows = {r["method"]: r for r in read("table.csv") if r["sequence"] != "all" and r["tool"] == "all"}
+assert list(rows) == ["epnp", "reiter2014", "reiter2012", "contour", "theirs", "recorded", "frozen"], list(rows)
+assert float(rows["theirs"]["translation_mean_mm"]) < 1e-3 and float(rows["theirs"]["accuracy"]) == 1, rows["theirs"]   # the truth itself; digits of files
+assert float(rows["contour"]["translation_mean_mm"]) < float(rows["recorded"]["translation_mean_mm"]), rows   # it starts with the true pose
 PYTHON
 }
 
-# run_baseline WORK: gradboost, small, learns from one sequence and looks for parts in another one; stereo and pair are there.
+# run_baseline WORK: baselines, small, learn from one sequence and are tested with another one; stereo and pair are there.
 run_baseline() {
-  local work="$1" evaluate="$BUILD_DIR/bin/example_surgtrack_evaluate"
-  local options=(--sequences="$work/look" --train="$work/learn" --baselines=gradboost --rounds=20 --methods=epnp --frames=4 --quiet)
+  local work="$1" evaluate="$BUILD_DIR/bin/example_surgtrack_evaluate" poses
   cp -r "$work/pair" "$work/look"
   cp -r "$work/stereo" "$work/learn"
   find "$work/look" "$work/learn" \( -name '*.yaml' -o -name keypoints.csv \) -exec sed -i 's/logo_v_/logo_s_/' {} +   # a part of the paper's
-  sample "evaluate, a baseline" limited "$evaluate" "${options[@]}" --out="$work/baseline"
-  sample "its detections" baseline_sound "$work/baseline"
-  sample "evaluate, a baseline in parts" limited "$evaluate" "${options[@]}" --out="$work/baseline2" --part
+  mkdir "$work/theirs"
+  poses="$work/theirs/look.csv"
+  # true poses in the form of another program's
+  "$PYTHON" -c 'import csv, sys
+rows = list(csv.DictReader(open(sys.argv[1])))
+names = ["frame", "tool"] + [c for c in ("tx", "ty", "tz", "qx", "qy", "qz", "qw")]
+out = csv.writer(sys.stdout)
+out.writerow(names)
+out.writerows([row[name] for name in names] for row in rows)' "$work/look/groundtruth.csv" >"$poses"
+  # shellcheck disable=SC2054
+  local options=(--sequences="$work/look" --train="$work/learn" --baselines=gradboost,reiter2014,reiter2012,contour --rounds=20 --trees=10
+    --poses="theirs:$work/theirs" --methods=epnp --frames=4 --quiet)
+  sample "evaluate, baselines" limited "$evaluate" "${options[@]}" --out="$work/baseline"
+  sample "their rows" baseline_sound "$work/baseline"
+  sample "evaluate, baselines in parts" limited "$evaluate" "${options[@]}" --out="$work/baseline2" --part
   sample "evaluate, their tables" limited "$evaluate" "${options[@]}" --out="$work/baseline2" --merge
-  sample "the same detections" cmp "$work/baseline/detection.csv" "$work/baseline2/detection.csv"
+  sample "the same files" evaluation_same "$work/baseline" "$work/baseline2"
+  if "$PYTHON" -c 'import matplotlib' 2>/dev/null; then
+    sample "plots of baselines" limited "$PYTHON" "$REPO/samples/plot_evaluation.py" "$work/baseline"
+    sample "the pictures of their report" pictures_there "$work/baseline"
+  fi
   sample "refused: learning from what is tested" refuses "$work/pair" "$evaluate" --sequences="$work/pair" --train="$work/pair" \
+    --baselines=gradboost --out="$work/leak"
+  cp -r "$work/look" "$work/again"
+  rm "$work/again"/*.mp4
+  sed -i 's|"\(left[^"]*.mp4\)"|"../look/\1"|; s|video: \(left.mp4\)|video: "../look/\1"|' "$work/again/sequence.yaml"
+  sample "refused: learning from the video of what is tested" refuses "$work/look" "$evaluate" --sequences="$work/look" --train="$work/again" \
     --baselines=gradboost --out="$work/leak"
   sample "refused: a baseline that learns from nothing" refuses "'--train'" "$evaluate" --sequences="$work/pair" --baselines=gradboost \
     --out="$work/leak"
+  sample "refused: nothing is left to learn from" refuses "'--train'" "$evaluate" --sequences="$work/look" --train="$work/again" --leave-out \
+    --baselines=gradboost --out="$work/leak"
+  sample "refused: no file of poses" refuses "$work/none.csv" "$evaluate" --sequences="$work/pair" --poses="theirs:$work/none.csv" --out="$work/leak"
 }
 
 # evaluation_same A B: two evaluations, byte for byte, but for what depends on the speed of the machine.
-evaluation_same() { diff -r -x results -x timings.csv "$1" "$2"; }
+evaluation_same() { diff -r -x results -x models -x timings.csv "$1" "$2"; }
 
 # pictures_there DIR: all that report.md shows.
 pictures_there() {

@@ -88,27 +88,28 @@ struct Detection
     }
 };
 
-//! Of a detector that draws no templates; nothing if it was not asked for.
-struct BaselineCounts
+//! How often classes of parts, keypoints whatever their side, are found: what detectors that know no sides are compared by.
+struct ClassCounts
 {
-    std::vector<String> parts;   //!< classes: keypoints whatever their side
+    String detector, variant;    //!< qgo, gradboost or forest; image or window
+    std::vector<String> parts;
     std::vector<DetectionCount> counts;
+    int images;
+    double seconds;              //!< in the detector
+    ClassCounts() : images(0), seconds(0) {}
 
-    void add(const BaselineCounts& other)
+    void add(const ClassCounts& other)
     {
-        if (parts.empty())
-            *this = other;
-        else
-            for (size_t i = 0; i < other.counts.size(); i++)
-                counts[i].add(other.counts[i]);
+        for (size_t i = 0; i < other.counts.size(); i++)
+            counts[i].add(other.counts[i]);
+        images += other.images;
+        seconds += other.seconds;
     }
     DetectionCount all() const
     {
         DetectionCount sum;
         for (size_t i = 0; i < counts.size(); i++)
             sum.add(counts[i]);
-        if (sum.samples == 0)
-            sum.prior = unknown();
         return sum;
     }
 };

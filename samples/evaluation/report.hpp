@@ -104,6 +104,29 @@ inline std::string detectionTable(const Results& results)
     return text;
 }
 
+//! The detectors that are compared on the same classes; empty without baselines.
+inline std::string classTable(const Results& results)
+{
+    std::string text;
+    for (size_t i = 0; i <= results.size(); i++)
+    {
+        const std::vector<ClassCounts> classes = classesOf(results, i);
+        for (size_t j = 0; j < classes.size(); j++)
+        {
+            const DetectionCount count = classes[j].all();
+            text += "| " + (j > 0 ? String() : labelOf(results, i)) + " | " + classes[j].detector + ", " + classes[j].variant;
+            for (int n = 0; n < MAX_TOP_N; n += MAX_TOP_N - 1)
+                for (int k = 0; k < THRESHOLDS; k++)
+                    text += " | " + shown(100 * count.rate(k, n), 1, " %");
+            text += format(" | %d |\n", count.samples);
+        }
+    }
+    return text.empty() ? text : "The same of classes of parts, whatever their side, for all detectors. `image`: a class is looked for in the whole "
+                                 "image; `window`: within 120 px of where the recorded kinematics have it. A part without a template is one not found."
+                                 "\n\n| sequence | detector | top 1: 5 px | 10 px | 20 px | top 5: 5 px | 10 px | 20 px | samples |\n"
+                                 "|---|---|---|---|---|---|---|---|---|\n" + text + "\n![](detection_classes.png)\n\n";
+}
+
 inline std::string axesTable(const Results& results)
 {
     std::string text = "| sequence | method | x | y | z |\n|---|---|---|---|---|\n";
@@ -202,7 +225,8 @@ inline void writeReport(const String& filename, const Results& results, const st
          << scoreTable(results) << "\n![](table.png)\n\n";
     file << "## Detection of parts\n\nShare of the visible keypoints with a template that have a match within so many pixels (of an image "
             "720 px wide) among the best 1 or 5 of their part.\n\n"
-         << detectionTable(results) << "\n![](detection.png)\n\n![](detection_parts.png)\n\n";
+         << detectionTable(results) << "\n![](detection.png)\n\n![](detection_parts.png)\n\n"
+         << classTable(results);
     file << "## Rotation error by axis\n\nSize of the components of the rotation vector of R_true^T R_estimate [rad], about the axes of the "
             "end effector.\n\n"
          << axesTable(results) << "\n![](rotation_axes.png)\n\n";

@@ -21,7 +21,7 @@ struct Result
     std::vector<std::vector<String> > coordinates;    //!< of the joints, a tool
     std::vector<Run> runs;
     Detection detection;
-    BaselineCounts gradboost;
+    std::vector<ClassCounts> classes;                 //!< a detector and variant; none without baselines
 };
 
 //! A row of numbers that is written or read: there is one order of the fields for both.
@@ -157,6 +157,26 @@ inline Run loadRun(const FileNode& node)
     return run;
 }
 
+inline void save(FileStorage& file, const ClassCounts& counts)
+{
+    file << "{" << "detector" << counts.detector << "variant" << counts.variant << "images" << counts.images << "seconds" << counts.seconds << "parts"
+         << counts.parts << "counts" << tableOf(counts.counts) << "}";
+}
+
+inline ClassCounts loadCounts(const FileNode& node)
+{
+    ClassCounts counts;
+    child(node, "detector") >> counts.detector;
+    child(node, "variant") >> counts.variant;
+    child(node, "images") >> counts.images;
+    child(node, "seconds") >> counts.seconds;
+    child(node, "parts") >> counts.parts;
+    counts.counts = itemsOf<DetectionCount>(child(node, "counts"));
+    if (counts.counts.size() != counts.parts.size())
+        fail("'" + counts.detector + "' has not the same number of parts and counts");
+    return counts;
+}
+
 inline void load(const String& filename, Result& result)
 {
     try
@@ -176,14 +196,9 @@ inline void load(const String& filename, Result& result)
         child(root, "parts") >> result.detection.parts;
         for (int i = 0; i < VARIANTS; i++)
             result.detection.counts[i] = itemsOf<DetectionCount>(child(root, variantName(i)));
-        const FileNode gradboost = root["gradboost"];
-        if (!gradboost.empty())
-        {
-            child(gradboost, "parts") >> result.gradboost.parts;
-            result.gradboost.counts = itemsOf<DetectionCount>(child(gradboost, "image"));
-            if (result.gradboost.counts.size() != result.gradboost.parts.size())
-                fail("'gradboost' has not the same number of parts and counts");
-        }
+        const FileNode classes = root["classes"];
+        for (int i = 0; i < (int)classes.size(); i++)
+            result.classes.push_back(loadCounts(classes[i]));
     }
     catch (const Exception& e)
     {
@@ -207,8 +222,13 @@ inline void save(const String& filename, const Result& result)
     file << "]" << "parts" << result.detection.parts;
     for (int i = 0; i < VARIANTS; i++)
         file << variantName(i) << tableOf(result.detection.counts[i]);
-    if (!result.gradboost.parts.empty())
-        file << "gradboost" << "{" << "parts" << result.gradboost.parts << "image" << tableOf(result.gradboost.counts) << "}";
+    if (!result.classes.empty())
+    {
+        file << "classes" << "[";
+        for (size_t i = 0; i < result.classes.size(); i++)
+            save(file, result.classes[i]);
+        file << "]";
+    }
     file.release();
     Result written;
     load(part, written);   // on a full disk it is cut

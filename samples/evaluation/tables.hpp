@@ -14,18 +14,21 @@ namespace evaluation {
 
 typedef std::vector<Ptr<Result> > Results;
 
-//! The methods in the order of the runs.
+//! The methods in the order of the runs; not every sequence has all of them.
 inline std::vector<String> methodsOf(const Results& results)
 {
-    // A stereo run is missing where there is one camera: the sequence with most runs has them all.
     std::vector<String> methods;
     for (size_t i = 0; i < results.size(); i++)
-        if (results[i]->runs.size() > methods.size())
+    {
+        size_t next = 0;
+        for (size_t j = 0; j < results[i]->runs.size(); j++)
         {
-            methods.clear();
-            for (size_t j = 0; j < results[i]->runs.size(); j++)
-                methods.push_back(results[i]->runs[j].method);
+            const String& method = results[i]->runs[j].method;
+            if (std::find(methods.begin(), methods.end(), method) == methods.end())
+                methods.insert(methods.begin() + next, method);
+            next = std::find(methods.begin(), methods.end(), method) - methods.begin() + 1;
         }
+    }
     return methods;
 }
 
@@ -121,6 +124,27 @@ inline void writeScores(const String& filename, const Results& results)
     file.finish();
 }
 
+//! Of a sequence, or, if index is beyond the last, of all.
+inline std::vector<ClassCounts> classesOf(const Results& results, size_t index)
+{
+    if (index < results.size())
+        return results[index]->classes;
+    std::vector<ClassCounts> sums;
+    for (size_t i = 0; i < results.size(); i++)
+        for (size_t j = 0; j < results[i]->classes.size(); j++)
+        {
+            const ClassCounts& counts = results[i]->classes[j];
+            size_t k = 0;
+            while (k < sums.size() && (sums[k].detector != counts.detector || sums[k].variant != counts.variant))
+                k++;
+            if (k == sums.size())
+                sums.push_back(counts);
+            else
+                sums[k].add(counts);
+        }
+    return sums;
+}
+
 //! Frames a second: the only figures that differ from run to run, so they have a file of their own.
 inline void writeTimings(const String& filename, const Results& results)
 {
@@ -137,6 +161,14 @@ inline void writeTimings(const String& filename, const Results& results)
             if (s.seconds > 0)
                 file << labelOf(results, i) + "," + methods[j] + format(",%.0f,", s.videoFrames) + cell(s.seconds) + "," + cell(s.hz(), 4) + "\n";
         }
+    for (size_t i = 0; i <= results.size(); i++)
+    {
+        const std::vector<ClassCounts> classes = classesOf(results, i);
+        for (size_t j = 0; j < classes.size(); j++)
+            if (classes[j].seconds > 0)
+                file << labelOf(results, i) + "," + classes[j].detector + " in " + classes[j].variant + format(",%d,", classes[j].images) +
+                            cell(classes[j].seconds) + "," + cell(classes[j].images / classes[j].seconds, 4) + "\n";
+    }
     file.finish();
 }
 
@@ -156,19 +188,14 @@ inline void writeDetections(const String& filename, const Results& results)
 {
     TextFile file(filename);
     Detection sum;
-    BaselineCounts baselineSum;
     for (size_t i = 0; i < results.size(); i++)
-    {
         sum.add(results[i]->detection);
-        baselineSum.add(results[i]->gradboost);
-    }
-    const bool baselines = !baselineSum.parts.empty();
+    const bool baselines = !classesOf(results, results.size()).empty();
     const String qgo = baselines ? "qgo" : "";
     file << String("sequence,variant,part,threshold_px,top_n,rate,samples,visible,prior_px") + (baselines ? ",detector\n" : "\n");
     for (size_t i = 0; i <= results.size(); i++)
     {
         const Detection& detection = i == results.size() ? sum : results[i]->detection;
-        const BaselineCounts& gradboost = i == results.size() ? baselineSum : results[i]->gradboost;
         const String sequence = labelOf(results, i);
         for (int variant = 0; variant < VARIANTS; variant++)
         {
@@ -176,10 +203,14 @@ inline void writeDetections(const String& filename, const Results& results)
                 writeDetection(file, sequence, variantName(variant), detection.parts[part], detection.counts[variant][part], qgo);
             writeDetection(file, sequence, variantName(variant), "all", detection.all(variant), qgo);
         }
-        for (size_t part = 0; part < gradboost.parts.size(); part++)
-            writeDetection(file, sequence, "image", gradboost.parts[part], gradboost.counts[part], "gradboost");
-        if (baselines)
-            writeDetection(file, sequence, "image", "all", gradboost.all(), "gradboost");
+        const std::vector<ClassCounts> classes = classesOf(results, i);
+        for (size_t j = 0; j < classes.size(); j++)
+        {
+            const ClassCounts& c = classes[j];
+            for (size_t part = 0; part < c.parts.size(); part++)
+                writeDetection(file, sequence, c.variant, c.parts[part], c.counts[part], c.detector);
+            writeDetection(file, sequence, c.variant, "all", c.all(), c.detector);
+        }
     }
     file.finish();
 }

@@ -11,67 +11,40 @@
 
 #include "boosting.hpp"
 #include "channels.hpp"
-#include "training.hpp"
+#include "detectors.hpp"
 
 namespace evaluation {
 
-//! The best of many, none nearer to another than a radius [pixel]. @param matches sorted by falling score when done
-inline void suppress(std::vector<PartMatch>& matches, double radius, int count)
-{
-    std::stable_sort(matches.begin(), matches.end(), [](const PartMatch& a, const PartMatch& b) { return a.similarity > b.similarity; });
-    std::vector<PartMatch> kept;
-    for (size_t i = 0; i < matches.size() && (int)kept.size() < count; i++)
-    {
-        bool free = true;
-        for (size_t j = 0; j < kept.size(); j++)
-            free = free && norm(kept[j].imagePoint - matches[i].imagePoint) >= radius;
-        if (free)
-            kept.push_back(matches[i]);
-    }
-    matches.swap(kept);
-}
-
-inline PartMatch matchAt(const Point2d& point, int cls, double score)
-{
-    PartMatch match;
-    match.tool = 0;
-    match.part = cls;
-    match.imagePoint = match.predictedPoint = point;
-    match.similarity = score;
-    match.templateIndex = 0;
-    return match;
-}
-
-enum { SUPPRESSION = 12 };   // [pixel]
-
-//! Finds parts of classes 1 and on; 0 is the background.
-class GradBoost
+class GradBoost : public PartDetector
 {
 public:
-    explicit GradBoost(int rounds) : roundCount_(rounds), done_(false), looked_(0), places_(0)
+    //! @param early whether places are given up
+    GradBoost(const std::vector<String>& parts, int rounds, bool early)
+        : early_(early), roundCount_(rounds), classes_(parts), done_(false), looked_(0), places_(0)
     {
-        static const char* const parts[] = { "logo_pivot", "logo_s", "shaft_pivot" };   // front pin, logo and rear pin of the paper
-        classes_.assign(parts, parts + 3);
         features_ = ChannelFeature::random(1000, 20140915);
     }
-    //! Names of the classes 1 and on.
-    const std::vector<String>& classes() const { return classes_; }
-    int classCount() const { return (int)classes_.size() + 1; }
-    //! What else makes another model.
-    String constants() const { return format("gradboost 1, %d rounds", roundCount_); }
+    String name() const CV_OVERRIDE { return "gradboost"; }
+    const std::vector<String>& classes() const CV_OVERRIDE { return classes_; }
+    String constants() const CV_OVERRIDE
+    {
+        String text = format("gradboost 3, %d rounds", roundCount_);
+        for (size_t i = 0; i < classes_.size(); i++)
+            text += " " + classes_[i];
+        return text;
+    }
     int rounds() const { return boosting_.rounds(); }
     //! Rounds looked at, a place.
     double meanRounds() const { return places_ > 0 ? looked_ / places_ : 0; }
 
-    //! @param image CV_8UC1 or CV_8UC3
-    void setImage(const Mat& image)
+    void setImage(const Mat& image) CV_OVERRIDE
     {
         channels_.setImage(image);
         done_ = false;
     }
 
-    //! @param cls 1 and on @param matches at most count, by falling score
-    void detect(int cls, int count, std::vector<PartMatch>& matches)
+    //! Windows cost nothing: the whole image is scored once.
+    void detect(const Rect& window, int cls, int count, std::vector<PartMatch>& matches) CV_OVERRIDE
     {
         if (!done_)
             score();
@@ -81,13 +54,15 @@ public:
             for (int x = 0; x < map.cols; x++)
             {
                 const float value = map.at<float>(y, x);
-                if (value > -FLT_MAX && isPeak(map, x, y))
-                    matches.push_back(matchAt(Channels::pointOf(Point(x, y)), cls, value));
+                const Point2d point = Channels::pointOf(Point(x, y));
+                const bool inside = window.empty() || window.contains(Point(point));
+                if (value > -FLT_MAX && inside && isPeak(map, x, y))
+                    matches.push_back(matchAt(point, cls, value));
             }
         suppress(matches, SUPPRESSION, count);
     }
 
-    void train(const Training& training, bool quiet)
+    void train(const Training& training, bool quiet) CV_OVERRIDE
     {
         PlaceChooser chooser(training, classes_, 6000);
         Mat values;
@@ -99,21 +74,24 @@ public:
                 add(Channels::placeOf(places[i].point), places[i].cls, values, labels);
         });
         learn(values, labels, quiet);
+        const bool early = early_;
+        early_ = true;   // the same model either way
         training.frames(6, [&](const Mat& image, const ClassPoints& points) {   // hard negatives
             setImage(image);
             for (int cls = 1; cls < classCount(); cls++)
             {
                 std::vector<PartMatch> matches;
-                detect(cls, 6, matches);
+                detect(Rect(), cls, 6, matches);
                 for (size_t i = 0; i < matches.size(); i++)
                     for (int copy = 0; copy < 2 && nearestOf(points, matches[i].imagePoint) >= PlaceChooser::CLEAR; copy++)
                         add(Channels::placeOf(matches[i].imagePoint), 0, values, labels);
             }
         });
         learn(values, labels, quiet);
+        early_ = early;
     }
-    void write(FileStorage& file) const { boosting_.write(file); }
-    bool read(const FileNode& node) { return boosting_.read(node) && boosting_.classes() == classCount(); }
+    void write(FileStorage& file) const CV_OVERRIDE { boosting_.write(file); }
+    bool read(const FileNode& node) CV_OVERRIDE { return boosting_.read(node) && boosting_.classes() == classCount(); }
 
 private:
     void add(const Point& place, int cls, Mat& values, std::vector<int>& labels) const
@@ -190,7 +168,7 @@ private:
                     const int* const p = c.base + place;
                     return p[c.at[0]] - p[c.at[1]] - p[c.at[2]] + p[c.at[3]];
                 },
-                F.data(), true);
+                F.data(), early_);
             looked += std::min(rounds, boosting_.rounds());
             for (int k = 1; k < classCount(); k++)
             {
@@ -204,6 +182,7 @@ private:
         return looked;
     }
 
+    bool early_;
     int roundCount_;
     std::vector<String> classes_;
     std::vector<ChannelFeature> features_;
@@ -213,35 +192,6 @@ private:
     bool done_;
     double looked_, places_;
 };
-
-//! Learns a model, or reads it if the same one was learnt before. @param folder of models
-inline void prepare(GradBoost& detector, const Training& training, const String& folder, bool quiet)
-{
-    Fingerprint print;
-    print.add(detector.constants() + training.print());
-    const String filename = utils::fs::join(folder, "gradboost-" + print.text() + ".yml.gz");
-    if (utils::fs::exists(filename))
-    {
-        const FileStorage file(filename, FileStorage::READ);
-        if (!detector.read(file.root()))
-            fail(filename + ": is no model of gradboost, delete it to have it learnt anew");
-        return;
-    }
-    const int64 start = getTickCount();
-    detector.train(training, quiet);
-    if (!quiet)
-        std::fprintf(stderr, "gradboost: learnt in %.0f s\n", double(getTickCount() - start) / getTickFrequency());
-    if (!utils::fs::createDirectories(folder))
-        fail(folder + ": the folder can't be made");
-    const String part = partOf(filename);   // other processes may look for it at any time
-    FileStorage file(part, FileStorage::WRITE);
-    if (!file.isOpened())
-        fail(part + ": can't be written, expected a folder with room for it");
-    detector.write(file);
-    file.release();
-    if (std::rename(part.c_str(), filename.c_str()) != 0)
-        fail(filename + ": can't be written, expected a folder with room for it");
-}
 
 } // namespace evaluation
 

@@ -20,45 +20,64 @@ inline String className(const String& keypoint)
     return keypoint.compare(end, 5, "_flat") == 0 || keypoint.compare(end, 5, "_deep") == 0 ? keypoint.substr(0, end) : keypoint;
 }
 
-//! The videos of a sequence: canonical path and contents of each.
+//! The videos of a sequence: canonical path and contents of each. None if it can't be read: evaluating it will tell.
 inline std::vector<std::pair<String, String> > videosOf(const String& folder)
 {
+    static std::map<String, std::vector<std::pair<String, String> > > known;   // a video is long to read
+    if (known.count(folder))
+        return known[folder];
     std::vector<std::pair<String, String> > videos;
-    const Ptr<Sequence> sequence = Sequence::load(folder);
-    const String files[] = { sequence->leftVideo(), sequence->rightVideo() };
-    for (int i = 0; i < 2; i++)
-        if (!files[i].empty() && utils::fs::exists(files[i]))
-        {
-            Fingerprint print;
-            print.addFile(files[i]);
-            videos.push_back(std::make_pair(absolutePath(files[i]), print.text()));
-        }
-    return videos;
+    try
+    {
+        const Ptr<Sequence> sequence = Sequence::load(folder);
+        const String files[] = { sequence->leftVideo(), sequence->rightVideo() };
+        for (int i = 0; i < 2; i++)
+            if (!files[i].empty() && utils::fs::exists(files[i]))
+            {
+                Fingerprint print;
+                print.addFile(files[i]);
+                videos.push_back(std::make_pair(absolutePath(files[i]), print.text()));
+            }
+    }
+    catch (const Exception&)
+    {
+    }
+    return known[folder] = videos;
+}
+
+//! Whether two sequences have a video in common.
+inline bool shareVideo(const String& one, const String& other)
+{
+    const std::vector<std::pair<String, String> > ours = videosOf(one), theirs = videosOf(other);
+    for (size_t a = 0; a < ours.size(); a++)
+        for (size_t b = 0; b < theirs.size(); b++)
+            if (ours[a].first == theirs[b].first || ours[a].second == theirs[b].second)
+                return true;
+    return false;
 }
 
 //! Refuses to learn from what is tested. @throws cv::Exception naming both
 inline void checkLeaks(const std::vector<String>& training, const std::vector<String>& tested)
 {
     for (size_t i = 0; i < training.size(); i++)
-    {
-        const std::vector<std::pair<String, String> > ours = videosOf(training[i]);
         for (size_t j = 0; j < tested.size(); j++)
-        {
-            std::vector<std::pair<String, String> > theirs;
-            try
-            {
-                theirs = videosOf(tested[j]);
-            }
-            catch (const Exception&)
-            {
-                // Evaluating it will tell.
-            }
-            for (size_t a = 0; a < ours.size(); a++)
-                for (size_t b = 0; b < theirs.size(); b++)
-                    if (ours[a].first == theirs[b].first || ours[a].second == theirs[b].second)
-                        fail("argument '--train': " + training[i] + " has a video of " + tested[j] + ", which is tested; expected others");
-        }
+            if (shareVideo(training[i], tested[j]))
+                fail("argument '--train': " + training[i] + " has a video of " + tested[j] +
+                     ", which is tested; expected others, or --leave-out");
+}
+
+//! The classes of all tools of a sequence, in the order of their files.
+inline std::vector<String> classNames(const Data& data)
+{
+    std::vector<String> classes;
+    for (size_t i = 0; i < data.tools.size(); i++)
+    {
+        const std::vector<String> names = data.tools[i].model->keypointNames();
+        for (size_t j = 0; j < names.size(); j++)
+            if (std::find(classes.begin(), classes.end(), className(names[j])) == classes.end())
+                classes.push_back(className(names[j]));
     }
+    return classes;
 }
 
 //! Parts in an image: names of their classes, and points.
@@ -111,10 +130,16 @@ public:
         print_ = print.text();
     }
     const String& print() const { return print_; }
+    std::vector<String> classes() const { return classNames(*data_[0]); }
 
     /** Shows every so many frames with truth of all sequences.
     @param visit called with the reduced image, and the visible keypoints: names of their classes and points */
     template <class Visit> void frames(int step, const Visit& visit) const
+    {
+        scenes(step, [&](const Data& data, TrueParts& parts, const Mat& image) { visit(image, pointsOf(data, parts)); });
+    }
+    //! @param visit called with the sequence, the truth of the frame, and the reduced image
+    template <class Visit> void scenes(int step, const Visit& visit) const
     {
         for (size_t i = 0; i < data_.size(); i++)
         {
@@ -127,7 +152,7 @@ public:
                 if (frame % step || !parts.read(frame))
                     continue;
                 parts.finder().setImage(image);
-                visit(parts.finder().pixels(Rect(Point(), parts.finder().camera().imageSize())), pointsOf(*data_[i], parts));
+                visit(*data_[i], parts, parts.finder().pixels(Rect(Point(), parts.finder().camera().imageSize())));
                 parts.finder().release();
             }
         }
