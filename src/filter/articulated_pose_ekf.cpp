@@ -22,7 +22,7 @@ void ArticulatedPoseEKF::copyTo(const Ptr<ArticulatedPoseEKF>& other) const
 
 ArticulatedPoseEKF::Params::Params()
     : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.1 * CV_PI / 180), processTranslation(0.0003),
-      processJoint(0.015), gain(0.02), play(0.02), coupling(0.1), delay(0.03), pointNoise(3), gate(13.8), contourNoise(1), jointOffsets(true), contourCorrelation(18)
+      processJoint(0.03), gain(0.02), play(0.02), coupling(0.1), delay(0.03), pointNoise(3), gate(13.8), contourNoise(1), jointOffsets(true), contourCorrelation(18)
 {
 }
 

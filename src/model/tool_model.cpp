@@ -124,7 +124,7 @@ int ToolModel::coordinateIndex(const String& name) const
 std::vector<double> ToolModel::offsetDeviations() const
 {
     // The wrist: what turns beyond the joint that slides. Errors of the arm are as good as errors of the hand-eye calibration.
-    const double wrist = 0.06;   // [rad]; readings of a real wrist were off by 0.07, a seventh of it constant over all postures, the rest over a few
+    const double wrist = 0.03;   // [rad]
     const std::vector<Link>& links = description_.links;
     std::vector<double> deviations(description_.coordinates.size(), 0.);
     std::vector<uchar> slid(links.size(), 0);

@@ -125,7 +125,7 @@ public:
 
     /** @brief How wrong joint readings may be: prior standard deviation of a constant offset, one per coordinate [rad or m]; 0 = exact,
     or not to be told from an error of the hand-eye calibration. What the links of a coordinate state (Link::offsetDeviation);
-    by default 0.06 rad for revolute joints beyond one that slides, and 0 for all others. */
+    by default 0.03 rad for revolute joints beyond one that slides, and 0 for all others. */
     CV_WRAP std::vector<double> offsetDeviations() const;
 
     /** @brief A mesh.
