@@ -11,12 +11,6 @@ namespace {
 
 const int spacing = 8;             // of samples [pixel]
 
-/* Of an image without fields rows that are nearer differ less; of noise alone both differences are the same, to a twentieth in a
-   block's 190 samples. Motion across upright edges by a pixel and more makes the nearer ones larger. */
-const int combBlock = 96;          // [pixel]
-const double combRatio = 1.25, combDifference = 4;   // of the differences; least mean of the nearer ones [grey levels]
-const int combBlocks = 2;          // one alone may be a ribbed jaw
-
 const int surroundBlock = 8, surroundStep = 2;   // [pixel]
 const int darkest = 6;             // video black with what a codec leaves of the picture beside it [grey levels]
 const int surroundMargin = 2;      // blocks about a surround that hold its border, and the blur of gradients
@@ -24,45 +18,6 @@ const int looksApart = 32;         // images from one look for a surround to the
 const double leastSurround = 0.03; // of the image: a pillar of 20 pixels; less is vignetting in the corners
 
 } // namespace
-
-bool isInterlaced(const Mat& image, int reduction)
-{
-    if (image.rows < 8) return false;
-    const int channels = image.channels(), channel = channels / 2;   // green tells most of the light
-    const int block = combBlock * reduction;
-    int combed = 0;
-    for (int top = 0; top + block / 2 <= image.rows; top += block)
-        for (int left = 0; left + block / 2 <= image.cols; left += block)
-        {
-            int nearer = 0, farther = 0, count = 0;
-            const int bottom = std::min(top + block, image.rows - 2), right = std::min(left + block, image.cols);
-            for (int y = top; y < bottom; y += 6 * reduction)
-            {
-                const uchar *a = image.ptr(y) + channel, *b = image.ptr(y + 1) + channel, *c = image.ptr(y + 2) + channel;
-                for (int x = left; x < right; x += 8 * reduction, count++)
-                {
-                    nearer += std::abs(a[x * channels] - b[x * channels]);
-                    farther += std::abs(a[x * channels] - c[x * channels]);
-                }
-            }
-            combed += nearer > combRatio * farther && nearer > combDifference * count;
-        }
-    return combed >= combBlocks;
-}
-
-void takeField(const Mat& image, Mat& field)
-{
-    field.create(image.size(), image.type());
-    const int n = image.cols * image.channels();
-    for (int y = 0; y < image.rows; y++)
-    {
-        uchar* to = field.ptr(y);
-        const uchar *above = image.ptr(y & ~1), *below = image.ptr(std::min((y & ~1) + 2, (image.rows - 1) & ~1));
-        if (y % 2 == 0) std::copy(above, above + n, to);
-        else
-            for (int i = 0; i < n; i++) to[i] = uchar((above[i] + below[i] + 1) >> 1);
-    }
-}
 
 void VisibleRegion::setMask(const Mat& mask)
 {

@@ -10,13 +10,6 @@
 
 namespace cv { namespace surgtrack {
 
-//! Two fields in one image, of different times: rows next to each other differ more than those that are two apart.
-//! @param reduction of an image that is so many times as large, as many pixels are looked at
-bool isInterlaced(const Mat& image, int reduction);
-
-//! The first field of an image, its missing rows as the mean of their neighbours. @param field result, not the image
-void takeField(const Mat& image, Mat& field);
-
 /** Where a camera never shows anything: black surrounds and pillars, found in the images, and what the user says. In blocks, since
 gradients near the border of a surround are its own. */
 class VisibleRegion
@@ -47,7 +40,7 @@ private:
 class ImageSamples
 {
 public:
-    //! @param reduction see isInterlaced()
+    //! @param reduction of an image that is so many times as large, as many pixels are looked at
     void look(const Mat& image, int reduction);
     //! Mean difference from the image before in a region [grey levels]; DBL_MAX without one.
     double change(const Rect& region) const;

@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "opencv2/surgtrack/fields.hpp"
 #include "opencv2/surgtrack/part_finder.hpp"
 #include "base/checks.hpp"
 #include "detect/image_state.hpp"
@@ -119,10 +120,10 @@ void PartFinderImpl::setImage(const Mat& image)
     checkImage(image);
     CV_Assert(image.size() == imageSize_ && "image: of the camera's size");
     image_ = image;
-    interlaced_ = cv::surgtrack::isInterlaced(image, reduction_);
+    interlaced_ = cv::surgtrack::isInterlaced(image);
     if (interlaced_)
     {
-        takeField(image, field_);
+        splitFields(image, true, field_, noArray());
         image_ = field_;
     }
     visible_.look(image_);
