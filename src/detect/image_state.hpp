@@ -12,7 +12,7 @@ namespace cv { namespace surgtrack {
 
 /** Where a camera never shows anything: black surrounds and pillars, found in the images, and what the user says. In blocks, since
 gradients near the border of a surround are its own. */
-class VisibleRegion
+class CV_EXPORTS VisibleRegion
 {
 public:
     //! What the user knows. @param mask CV_8UC1 of the images' size: 0 where there is nothing to see; empty: all may be seen
@@ -23,16 +23,24 @@ public:
     //! Whether there is anything that is not seen.
     bool isPartial() const { return partial_; }
     bool sees(const Point2d& p) const;
+    //! Whether all of an area is seen.
+    bool seesAll(const Rect2d& area) const;
+    //! How often what is seen has changed.
+    int changes() const { return changes_; }
+    //! 255 where something is seen. @param factor pixels of the mask are so many of the image wide; the mask has the size it is to have
+    void paint(Mat& mask, double factor) const;
 
 private:
-    void findSurround(const Mat& image, std::vector<uchar>& dark) const;
-    void keepConnected(std::vector<uchar>& dark) const;
+    void findSurround(const Mat& image, std::vector<uchar>& dark);
+    void keepConnected(std::vector<uchar>& dark);
     void combine();
 
     Size size_, blocks_;
-    Mat mask_;
-    std::vector<uchar> dark_, hidden_;   // a block; dark_: at the last look
-    int looks_ = 0;
+    std::vector<uchar> masked_;                 // a block; empty: no mask
+    std::vector<uchar> dark_, both_, hidden_;   // at the last look, at the last two, and in the end
+    std::vector<uchar> found_, kept_;           // memory of a look
+    std::vector<Point> open_;
+    int looks_ = 0, changes_ = 0;
     bool partial_ = false;
 };
 
