@@ -21,13 +21,13 @@ Matx44d inverseOf(const Matx44d& T)
 class FarTool
 {
 public:
-    explicit FarTool(int seed, Size size = Size(720, 576)) : scene_(SyntheticScene::create(needleDriver(), scene(seed, 1, size)))
+    //! @param farther false: it stays where it is
+    explicit FarTool(int seed, Size size = Size(720, 576), bool farther = true) : scene_(SyntheticScene::create(needleDriver(), scene(seed, 1, size)))
     {
         const Matx44d pose = scene_->truePose(0, 0);
-        const double depth = scene_->camera().fx * 0.0084 / 26;
-        const double farther = depth / pose(2, 3);
+        const double factor = farther ? scene_->camera().fx * 0.0084 / 26 / pose(2, 3) : 1;
         // Along the ray through the tool, so that it stays in the image.
-        away_ = rigid(Matx33d::eye(), Point3d(pose(0, 3), pose(1, 3), pose(2, 3)) * (farther - 1));
+        away_ = rigid(Matx33d::eye(), Point3d(pose(0, 3), pose(1, 3), pose(2, 3)) * (factor - 1));
     }
 
     const Ptr<SyntheticScene>& source() const { return scene_; }
@@ -62,13 +62,13 @@ private:
     Matx44d away_;
 };
 
-// In small images, where windows are small too. Matched at their size: 32 of 40.
+// In small images, where the wrist is 24 pixels wide, and windows are small too. Matched at their size: 34 of 40, and one wrong.
 TEST(SurgTrack_SmallTools, areFound)
 {
     int found = 0, wrong = 0, starts = 0;
     for (int seed = 1; seed <= 10; seed++)
     {
-        const FarTool far(seed, Size(240, 192));
+        const FarTool far(seed, Size(240, 192), false);
         for (int still = 0; still < 4; still++, starts++)
         {
             const double time = 0.4 * still;
@@ -77,7 +77,9 @@ TEST(SurgTrack_SmallTools, areFound)
             Estimates e;
             for (int k = 0; k < 4; k++) tracker->update(image, 0.04 * k, far.joints(time), e);
             if (e[0].state != STATE_TRACKING) continue;
-            (far.imageDistance(e[0].camera_T_tool, time) < 3 ? found : wrong)++;   // a ninth of the wrist's width
+            const double apart = far.imageDistance(e[0].camera_T_tool, time);
+            (apart < 3 ? found : wrong)++;   // a ninth of the wrist's width
+            if (apart >= 3 && std::getenv("SURGTRACK_TEST_PRINT")) std::cout << seed << ", " << still << ": " << apart << " pixels off" << std::endl;
         }
     }
     if (std::getenv("SURGTRACK_TEST_PRINT")) std::cout << "small tools: " << found << " of " << starts << " found, " << wrong << " wrong" << std::endl;
@@ -85,7 +87,7 @@ TEST(SurgTrack_SmallTools, areFound)
     EXPECT_EQ(0, wrong);
 }
 
-// Matched at their size: MEASURED.
+// Matched at their size: 1.30 mm, 0.51 pixels; at twice the size 1.20 mm, 0.22 pixels.
 TEST(SurgTrack_SmallTools, areTracked)
 {
     double error = 0, beside = 0;
