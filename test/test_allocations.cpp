@@ -237,7 +237,7 @@ struct Player
 TEST(SurgTrack_Allocations, theTrackerTakesNone)
 {
     skipWithoutCounting();
-    const Size plain(720, 576), large(1440, 1152), small(360, 288);   // the larger is reduced, tools in the smaller are enlarged
+    const Size plain(720, 576), large(1440, 1152), small(240, 192);   // the larger is reduced, tools in the smaller are enlarged
     struct { int method; Size size; bool ahead, stereo, masked; } const cases[] = {
         {METHOD_FULL, plain, false, false, false}, {METHOD_FULL, large, false, false, false}, {METHOD_FULL, plain, true, false, false},
         {METHOD_FULL, plain, false, true, false},  {METHOD_PAPER, plain, true, false, false}, {METHOD_FULL, small, false, false, false},

@@ -7,36 +7,44 @@
 
 namespace cv { namespace surgtrack {
 
-// Pixel 2i lies a quarter of a pixel before pixel i, 2i + 1 a quarter behind it.
+namespace {
+
+// Pixel 2i lies a quarter of a pixel before pixel i, 2i + 1 a quarter behind it: weights / 256 of the pixels i - 2 to i + 2, those
+// of cubics with a slope of -0.75.
+const int weights[2][5] = {{-9, 67, 225, -27, 0}, {0, -27, 225, 67, -9}};
+const int reach = 2;
+
+} // namespace
+
 void enlargeTwice(const Mat& image, const Rect& area, Mat& result)
 {
     CV_Assert(result.size() == image.size() * 2 && result.type() == image.type());
     const int channels = image.channels(), tile = 128;   // of columns of the image
-    int sums[3 * (tile + 2)];
+    int sums[3 * (tile + 2 * reach)];
     for (int y = area.y; y < area.y + area.height; y++)
     {
-        const int beside = y % 2 ? std::min(y / 2 + 1, image.rows - 1) : std::max(y / 2 - 1, 0);
-        const uchar *near = image.ptr(y / 2), *far = image.ptr(beside);
+        const int* const w = weights[y % 2];
+        const uchar* rows[5];
+        for (int k = 0; k < 5; k++) rows[k] = image.ptr(std::min(std::max(y / 2 + k - reach, 0), image.rows - 1));
         for (int left = area.x / 2; 2 * left < area.x + area.width; left += tile)
         {
-            // Columns left - 1 to right, those beyond the image as the last ones in it.
             const int right = std::min(left + tile, (area.x + area.width + 1) / 2);
-            const int first = std::max(left - 1, 0), last = std::min(right, image.cols - 1);
-            int* const inside = sums + (first - (left - 1)) * channels;
-            const int n = (last - first + 1) * channels;
-            for (int i = 0; i < n; i++) inside[i] = 3 * near[first * channels + i] + far[first * channels + i];
-            for (int c = 0; c < channels; c++)
+            for (int x = left - reach, i = 0; x < right + reach; x++)
             {
-                if (left == 0) sums[c] = sums[channels + c];
-                if (right == image.cols) sums[(right - left + 1) * channels + c] = sums[(right - left) * channels + c];
+                const int at = std::min(std::max(x, 0), image.cols - 1) * channels;   // beyond the image as the last ones in it
+                for (int c = at; c < at + channels; c++, i++)
+                    sums[i] = w[0] * rows[0][c] + w[1] * rows[1][c] + w[2] * rows[2][c] + w[3] * rows[3][c] + w[4] * rows[4][c];
             }
             uchar* to = result.ptr(y) + 2 * left * channels;
-            for (int x = left; x < right; x++, to += 2 * channels)
-                for (int c = 0; c < channels; c++)
+            const int* s = sums;
+            for (int x = left; x < right; x++, to += channels)
+                for (int c = 0; c < channels; c++, s++, to++)
                 {
-                    const int* at = sums + (x - left + 1) * channels + c;
-                    to[c] = uchar((3 * at[0] + at[-channels] + 8) >> 4);
-                    to[channels + c] = uchar((3 * at[0] + at[channels] + 8) >> 4);
+                    const int before = s[channels], middle = s[2 * channels], behind = s[3 * channels];
+                    const int first = -9 * s[0] + 67 * before + 225 * middle - 27 * behind;
+                    const int second = -27 * before + 225 * middle + 67 * behind - 9 * s[4 * channels];
+                    to[0] = saturate_cast<uchar>((first + 32768) >> 16);
+                    to[channels] = saturate_cast<uchar>((second + 32768) >> 16);
                 }
         }
     }

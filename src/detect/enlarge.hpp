@@ -9,7 +9,7 @@
 
 namespace cv { namespace surgtrack {
 
-/** A region of an image at twice its size, interpolated linearly, as resize() does it: without tables and threads.
+/** A region of an image at twice its size, interpolated by cubics as resize() does it: without tables and threads.
 @param image CV_8UC1 or CV_8UC3
 @param area of the result that is filled
 @param result twice as wide and high as the image, of its type */

@@ -52,7 +52,7 @@ CV_EXPORTS double meanSimilarity(const std::vector<PartMatch>& matches);
 Sec. 2.1 and 2.2). What is found is a value; over time it keeps nothing but memory and which tools are small.
 
 Gradients, and all widths that are given in pixels, are made for images some 720 pixels wide: images of 1440 pixels and more are
-reduced by a whole number, and all points are those of the reduced image. Tools that are small in it, with a wrist of less than 40
+reduced by a whole number, and all points are those of the reduced image. Tools that are small in it, with a wrist of less than 30
 pixels, are drawn and matched at twice its size, where they have details; points stay those of the reduced image. Not thread-safe. */
 class CV_EXPORTS PartFinder
 {
