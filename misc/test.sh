@@ -155,7 +155,7 @@ while v.read()[0]:
 assert n == int(sys.argv[2]), "%d frames" % n' "$1" "$2"
 }
 
-for checks in wings evaluation cluster python_docs stereo import look handeye live docs; do
+for checks in wings evaluation cluster python_docs stereo rig import look handeye live docs; do
   # shellcheck source=/dev/null
   source "$REPO/misc/checks/$checks.sh"
 done
@@ -194,6 +194,7 @@ run_samples() {
   run_cluster "$work"
   run_python_docs "$work"
   run_stereo "$work"
+  run_rig "$work"
   run_import "$work"
   run_look "$work"
   run_handeye "$work"

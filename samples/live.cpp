@@ -87,9 +87,6 @@ Options readOptions(const CommandLineParser& parser)
     options.stereo = parser.has("stereo");
     if (parser.has("camera"))
         options.cameras = split(parser.get<String>("camera"));
-    if (!options.cameras.empty() && options.cameras.size() != (options.stereo ? 2u : 1u))
-        fail("argument '--camera=" + parser.get<String>("camera") + "': expected " +
-             (options.stereo ? "two cameras, separated by a comma" : "one camera"));
     options.fps = parser.has("fps") ? common::number(parser, "fps", 0.1, 1000) : 0;
     options.timeOffset = common::number(parser, "time-offset", -1e12, 1e12);
     options.frames = common::integer(parser, "frames", 0);
@@ -143,7 +140,6 @@ void prepare(const Options& options, Run& run)
     run.time = -DBL_MAX;
     std::fill(run.answers, run.answers + 3, 0);
     std::fill(run.reasons, run.reasons + 5, 0);
-    std::vector<CameraModel> cameras(1, run.setup->leftCamera());
     std::vector<std::string> sources = run.live ? options.cameras : std::vector<std::string>(1, run.setup->leftVideo());
     run.tracker = ToolTracker::create(run.setup->leftCamera());
     if (options.stereo)
@@ -151,9 +147,12 @@ void prepare(const Options& options, Run& run)
         if (run.setup->rightCamera().imageSize().empty())
             fail("argument '--stereo': " + options.sequence + " has one camera, expected 'right' and 'right_T_left' in its sequence.yaml");
         run.tracker->setRightCamera(run.setup->rightCamera(), run.setup->right_T_left());
-        cameras.push_back(run.setup->rightCamera());
-        if (!run.live) sources.push_back(run.setup->rightVideo());
+        if (!run.live && run.setup->layout() == LAYOUT_SEPARATE) sources.push_back(run.setup->rightVideo());
     }
+    if (sources.size() != (options.stereo && run.setup->layout() == LAYOUT_SEPARATE ? 2u : 1u))
+        fail(String("argument '--camera': expected ") + (!options.stereo ? "one camera" : run.setup->layout() == LAYOUT_SEPARATE ?
+             "two cameras, separated by a comma" : "one camera: by layout in sequence.yaml both eyes are in one image"));
+    common::setMasks(*run.setup, *run.tracker, options.stereo);
     for (size_t i = 0; i < sources.size(); i++)
         if (sources[i].empty())
             fail("expected --camera=..., or the key 'video' in sequence.yaml of " + options.sequence);
@@ -170,7 +169,7 @@ void prepare(const Options& options, Run& run)
     for (size_t i = 0; i < options.ports.size(); i++)
         if (!options.ports[i].tool.empty() && std::find(names.begin(), names.end(), options.ports[i].tool) == names.end())
             fail("argument '--joints': tool '" + options.ports[i].tool + "' is none of the tools of sequence.yaml");
-    run.images = makePtr<common::LiveImages>(sources, cameras, run.live, fps);
+    run.images = makePtr<common::LiveImages>(sources, run.setup, options.stereo, run.live, fps);
     if (!options.send.empty())
         run.sender = makePtr<common::UdpSender>(options.send);
     if (!options.poses.empty())

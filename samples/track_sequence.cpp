@@ -133,14 +133,14 @@ std::vector<common::DebugTool> debugTools(const Run& run, const std::vector<Tool
 }
 
 //! Time of the joint readings that belong to a frame.
-double readingTime(const Run& run, int frame) { return run.sequence->frameTime(frame) + run.timeOffset; }
+double readingTime(const Run& run, int frame, int field = 0) { return run.sequence->frameTime(frame, field) + run.timeOffset; }
 
 //! The joint readings of all tools at a frame. Returns the first tool whose records do not reach it, or -1.
-int readJoints(const Run& run, int frame, std::vector<std::vector<double> >& joints)
+int readJoints(const Run& run, int frame, std::vector<std::vector<double> >& joints, int field = 0)
 {
     joints.resize(run.tools.size());
     for (int i = 0; i < (int)run.tools.size(); i++)
-        if (!run.sequence->jointsAt(i, readingTime(run, frame), joints[i], run.tools[i].model->coordinateNames()))
+        if (!run.sequence->jointsAt(i, readingTime(run, frame, field), joints[i], run.tools[i].model->coordinateNames()))
             return i;
     return -1;
 }
@@ -170,6 +170,7 @@ void prepare(const Options& options, Run& run)
     run.tracker = ToolTracker::create(run.sequence->leftCamera(), params);
     if (options.stereo)
         run.tracker->setRightCamera(run.sequence->rightCamera(), run.sequence->right_T_left());
+    common::setMasks(*run.sequence, *run.tracker, options.stereo);
     run.tools = common::loadTools(*run.sequence);
     for (size_t i = 0; i < run.tools.size(); i++)
         run.tracker->addTool(run.tools[i].model, run.tools[i].info.nominal_T_base);
@@ -206,9 +207,9 @@ void skipFrame(Run& run, int frame, std::vector<std::vector<double> >& joints, s
 
 //! right is empty without --stereo
 void trackFrame(Run& run, int frame, const Mat& image, const Mat& right, const std::vector<std::vector<double> >& joints,
-                std::vector<ToolEstimate>& estimates)
+                std::vector<ToolEstimate>& estimates, int field = 0)
 {
-    const double time = run.sequence->frameTime(frame);
+    const double time = run.sequence->frameTime(frame, field);
     if (right.empty())
         run.tracker->update(image, time, joints, estimates);
     else
@@ -217,6 +218,28 @@ void trackFrame(Run& run, int frame, const Mat& image, const Mat& right, const s
     run.timings.resize(times.size());
     for (size_t i = 0; i < times.size(); i++)
         run.timings[i].push_back(times[i].last);
+}
+
+//! The templates of the next image are drawn while this one is tracked.
+void drawAhead(Run& run, int frame, int field)
+{
+    std::vector<std::vector<double> > joints;
+    const int next = field + 1;
+    const bool inFrame = next < run.sequence->imagesPerFrame();
+    if (readJoints(run, inFrame ? frame : frame + 1, joints, inFrame ? next : 0) < 0)
+        run.tracker->renderAhead(joints);
+}
+
+//! Where frames hold two fields, the second one; the poses of a frame are those of its first.
+void trackSecond(const Options& options, Run& run, common::EyesReader& reader, int frame, Mat& image, Mat& right)
+{
+    std::vector<std::vector<double> > joints;
+    std::vector<ToolEstimate> estimates;
+    if (!reader.readSecond(image, right) || readJoints(run, frame, joints, 1) >= 0)
+        return;
+    if (options.renderAhead)
+        drawAhead(run, frame, 1);
+    trackFrame(run, frame, image, right, joints, estimates, 1);
 }
 
 void record(Run& run, int frame, const std::vector<ToolEstimate>& estimates, PoseWriter* writer)
@@ -289,12 +312,14 @@ void track(const Options& options, Run& run)
     common::Progress progress(options.frames > 0 ? std::min(options.frames, remaining) : remaining, options.quiet);
     const int64 startTick = getTickCount();
     Mat image, right;
-    std::vector<std::vector<double> > joints, nextJoints;
+    std::vector<std::vector<double> > joints;
+    common::FieldsNote note(*run.sequence);
     std::vector<ToolEstimate> estimates;
     for (int frame = options.start; options.frames == 0 || frame < options.start + options.frames; frame++)
     {
         if (!reader.read(image, right))
             break;
+        note.look(image);
         const int missing = readJoints(run, frame, joints);
         if (missing >= 0 && run.timeOffset == 0 && run.skipped == 0)
             warnOfMissing(run, missing, frame);
@@ -302,8 +327,8 @@ void track(const Options& options, Run& run)
             skipFrame(run, frame, joints, estimates);
         else
         {
-            if (options.renderAhead && readJoints(run, frame + 1, nextJoints) < 0)
-                run.tracker->renderAhead(nextJoints);
+            if (options.renderAhead)
+                drawAhead(run, frame, 0);
             trackFrame(run, frame, image, right, joints, estimates);
             if (outputs.timings)
                 outputs.timings->write(frame, run.sequence->frameTime(frame), run.tracker->getTimings());
@@ -316,6 +341,8 @@ void track(const Options& options, Run& run)
             drawResult(image, run, joints, estimates);
             outputs.overlay->write(image);
         }
+        if (missing < 0)
+            trackSecond(options, run, reader, frame, image, right);
         run.seconds = (double)(getTickCount() - startTick) / getTickFrequency();
         progress.show(run.frames);
     }

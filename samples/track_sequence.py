@@ -70,11 +70,11 @@ def parse_arguments():
 
 
 class FrameReader:
-    """A video whose frames all have the size the sequence says; decoded in a thread of its own, one frame ahead."""
+    """A video whose frames all have the size the sequence says; decoded in a thread of its own, one frame ahead. See EyesReader."""
 
     def __init__(self, sequence, start, right=False):
         self.filename = sequence.rightVideo() if right else sequence.leftVideo()
-        self.size = (sequence.rightCamera() if right else sequence.leftCamera()).imageSize()
+        self.size, self.layout = sequence.frameSize(), sequence.layout()
         self.capture = cv.VideoCapture(self.filename)
         self.capture.set(cv.CAP_PROP_ORIENTATION_AUTO, 0)       # frames as the camera was calibrated with, not turned
         if not self.capture.isOpened():
@@ -94,8 +94,9 @@ class FrameReader:
             return None
         self.decoded = self.thread.submit(self.capture.read)
         if (image.shape[1], image.shape[0]) != tuple(self.size):
-            raise Failure('%s: frame %d has %dx%d pixels, expected %dx%d as in sequence.yaml'
-                          % ((self.filename, self.next, image.shape[1], image.shape[0]) + tuple(self.size)))
+            raise Failure('%s: frame %d has %dx%d pixels, expected %dx%d as in sequence.yaml%s'
+                          % ((self.filename, self.next, image.shape[1], image.shape[0]) + tuple(self.size)
+                             + (' by image_width, image_height and layout' if self.layout else '',)))
         self.next += 1
         return image
 
@@ -107,23 +108,40 @@ class FrameReader:
 
 
 class EyesReader:
-    """The frames of one eye, or of both side by side."""
+    """The images of one eye, or of both."""
 
     def __init__(self, sequence, start, stereo):
-        self.sequence = sequence
-        self.readers = [FrameReader(sequence, start, right) for right in ([False, True] if stereo else [False])]
+        self.sequence, self.frames = sequence, []
+        self.together = stereo and sequence.layout() != st.LAYOUT_SEPARATE     # in one file
+        self.readers = [FrameReader(sequence, start, right) for right in ([False, True] if stereo and not self.together else [False])]
         self.count = self.readers[0].count
+        self.combed = 0
 
     def read(self):
-        """The images; None at the end of the videos, an error if one of them should have gone on."""
-        images = [reader.read() for reader in self.readers]
-        ended = [reader for reader, image in zip(self.readers, images) if image is None]
+        """Whether there is a next frame; an error if one of the videos should have gone on."""
+        frames = [reader.read() for reader in self.readers]
+        ended = [reader for reader, frame in zip(self.readers, frames) if frame is None]
         for reader in ended:
             reader.check_end(self.sequence)
-        if len(ended) == 1 < len(images):
+        if len(ended) == 1 < len(frames):
             other = self.readers[1 - self.readers.index(ended[0])]
             raise Failure('%s: ends after %d frames, expected more, as in %s' % (ended[0].filename, ended[0].next, other.filename))
-        return None if ended else images
+        self.frames = frames * 2 if self.together else frames
+        return not ended
+
+    def images(self, field=0):
+        """Of the frame read last, of its first or second field."""
+        return [self.sequence.eyeImage(frame, eye=eye, field=field) for eye, frame in enumerate(self.frames)]
+
+    def note_fields(self, image):
+        """Says so, once, if images are interlaced and the description does not tell."""
+        sure = 3    # images
+        if self.sequence.imagesPerFrame() > 1 or self.combed >= sure or not st.isInterlaced(image):
+            return
+        self.combed += 1
+        if self.combed == sure:
+            sys.stderr.write('note: %s: is interlaced, only one field of each frame is used: write fields: top_first (or bottom_first, as DV has) '
+                             'into sequence.yaml for both\n' % self.sequence.leftVideo())
 
 
 class Overlay:
@@ -192,6 +210,10 @@ class Run:
         self.tracker = st.ToolTracker.create(self.sequence.leftCamera(), params)
         if args.stereo:
             self.tracker.setRightCamera(self.sequence.rightCamera(), self.sequence.right_T_left())
+        for eye in range(2 if args.stereo else 1):
+            mask = self.sequence.mask(eye)
+            if mask is not None:
+                self.tracker.setMask(mask, eye)
         self.tools, models = [], {}
         for i in range(self.sequence.toolCount()):
             info = self.sequence.tool(i)
@@ -216,13 +238,14 @@ class Run:
             sys.stderr.write('time offset %.4f s +- %.4f s, confidence %.2f\n' % (found.offset, found.deviation, found.confidence))
         return found.offset
 
-    def reading_time(self, frame):
+    def reading_time(self, frame, field=0):
         """Time of the joint readings that belong to a frame."""
-        return self.sequence.frameTime(frame) + self.time_offset
+        return self.sequence.frameTime(frame, field) + self.time_offset
 
-    def render_ahead(self, frame):
-        """Unless the records end before that frame."""
-        readings = [self.sequence.jointsAt(i, self.reading_time(frame), tool.model.coordinateNames()) for i, tool in enumerate(self.tools)]
+    def render_ahead(self, frame, field):
+        """What comes after this image; unless the records end before."""
+        frame, field = (frame, field + 1) if field + 1 < self.sequence.imagesPerFrame() else (frame + 1, 0)
+        readings = [self.sequence.jointsAt(i, self.reading_time(frame, field), tool.model.coordinateNames()) for i, tool in enumerate(self.tools)]
         if all(found for found, _ in readings):
             self.tracker.renderAhead([joints for _, joints in readings])
 
@@ -239,8 +262,16 @@ class Run:
             result.append(joints)
         return result
 
-    def update(self, frame, images, joints):
-        seconds = self.sequence.frameTime(frame)
+    def track_second(self, frame, images, ahead):
+        """The second field of a frame; its poses are those of the first."""
+        readings = [self.sequence.jointsAt(i, self.reading_time(frame, 1), tool.model.coordinateNames()) for i, tool in enumerate(self.tools)]
+        if all(found for found, _ in readings):
+            if ahead:
+                self.render_ahead(frame, 1)
+            self.update(frame, images, [joints for _, joints in readings], 1)
+
+    def update(self, frame, images, joints, field=0):
+        seconds = self.sequence.frameTime(frame, field)
         if len(images) > 1:
             estimates = self.tracker.updateStereo(images[0], images[1], seconds, joints)
         else:
@@ -323,20 +354,24 @@ def track(args, run):
     begin, frame, estimates = time.time(), args.start, None
     try:
         while args.frames == 0 or frame < args.start + args.frames:
-            images = reader.read()
-            if images is None:
+            if not reader.read():
                 break
+            images = reader.images()
+            reader.note_fields(images[0])
             joints = run.joints(frame)
-            if joints is None:
+            found = joints is not None
+            if not found:
                 joints, estimates = run.skip(frame, estimates)
             else:
                 if args.render_ahead:
-                    run.render_ahead(frame + 1)
+                    run.render_ahead(frame, 0)
                 estimates = run.update(frame, images, joints)
             run.record(frame, estimates, writer)
             if overlay is not None:
                 run.draw(images[0], joints, estimates)
                 overlay.write(images[0])
+            if found and run.sequence.imagesPerFrame() > 1:
+                run.track_second(frame, reader.images(1), args.render_ahead)
             run.seconds = time.time() - begin
             progress.show(run.frames)
             frame += 1

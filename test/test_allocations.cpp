@@ -237,17 +237,21 @@ struct Player
 TEST(SurgTrack_Allocations, theTrackerTakesNone)
 {
     skipWithoutCounting();
-    const Size plain(720, 576), large(1440, 1152);   // the larger is reduced
-    struct { int method; Size size; bool ahead, stereo; } const cases[] = {
-        {METHOD_FULL, plain, false, false}, {METHOD_FULL, large, false, false}, {METHOD_FULL, plain, true, false},
-        {METHOD_FULL, plain, false, true},  {METHOD_PAPER, plain, true, false}};
+    const Size plain(720, 576), large(1440, 1152), small(240, 192);   // the larger is reduced, tools in the smaller are enlarged
+    struct { int method; Size size; bool ahead, stereo, masked; } const cases[] = {
+        {METHOD_FULL, plain, false, false, false}, {METHOD_FULL, large, false, false, false}, {METHOD_FULL, plain, true, false, false},
+        {METHOD_FULL, plain, false, true, false},  {METHOD_PAPER, plain, true, false, false}, {METHOD_FULL, small, false, false, false},
+        {METHOD_FULL, plain, false, false, true},  {METHOD_FULL, small, false, false, true}};
     for (const auto& c : cases)
     {
         Player player(c.method, c.size, 2, c.ahead, c.stereo);
-        for (int k = 0; k < 40; k++) player.next();
+        for (Mat& image : player.images)
+            if (c.masked) rectangle(image, Rect(0, 0, image.cols, image.rows / 5), Scalar::all(0), FILLED);   // a surround: it is looked for in every 32nd
+        for (int k = 0; k < 60; k++) player.next();
         AllocationCounter counter;
-        for (int k = 0; k < 10; k++) player.next();
-        EXPECT_EQ(0, counter.stop()) << c.method << " " << c.size << (player.ahead ? ", drawn ahead" : "") << (player.stereo ? ", both eyes" : "");
+        for (int k = 0; k < (c.masked ? 32 : 10); k++) player.next();
+        EXPECT_EQ(0, counter.stop()) << c.method << " " << c.size << (player.ahead ? ", drawn ahead" : "") << (player.stereo ? ", both eyes" : "")
+                                     << (c.masked ? ", masked" : "");
         EXPECT_EQ(STATE_TRACKING, player.estimates[0].state);
         EXPECT_EQ(STATE_TRACKING, player.estimates[1].state);
     }

@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "test_tracking.hpp"
+#include "detect/image_state.hpp"
 
 // Pictures as theatres have them: dim, bright, hazy, masked, in fields, blurred, and pictures that come again.
 
@@ -174,6 +175,51 @@ TEST(SurgTrack_Images, blackSurroundsAreFound)
         other->setImage(dim);
         for (int x = 4; x < 720; x += 89) EXPECT_TRUE(other->sees(Point2d(x, 300))) << gain << ", " << x;
     }
+}
+
+// The mask that the matcher is given is painted block by block; it is what is seen, pixel by pixel, at any size.
+TEST(SurgTrack_Images, maskIsPaintedWhereNothingIsSeen)
+{
+    const Size size(725, 571);
+    RNG rng(3);
+    Mat user(size, CV_8U, Scalar(255)), image(size, CV_8UC3, Scalar::all(120));
+    for (int i = 0; i < 6; i++) rectangle(user, Rect(rng.uniform(0, 700), rng.uniform(0, 500), 60, 40), Scalar(0), FILLED);
+    VisibleRegion region;
+    region.setMask(user);
+    region.look(image);
+    EXPECT_TRUE(region.isPartial());
+    EXPECT_EQ(1, region.changes());
+    for (int k = 0; k < 100; k++) region.look(image);
+    EXPECT_EQ(1, region.changes());
+    for (double factor : {3., 2., 1., 0.5})
+    {
+        Mat mask(cvFloor(size.height / factor), cvFloor(size.width / factor), CV_8U);
+        region.paint(mask, factor);
+        int wrong = 0;
+        for (int y = 0; y < mask.rows; y++)
+            for (int x = 0; x < mask.cols; x++)
+            {
+                const Point2d at(std::max(0., (x + 0.5) * factor - 0.5), std::max(0., (y + 0.5) * factor - 0.5));
+                wrong += region.sees(at) != (mask.at<uchar>(y, x) == 255);
+            }
+        EXPECT_EQ(0, wrong) << factor;
+    }
+    int count = 0;
+    for (int i = 0; i < 300; i++)
+    {
+        const Rect area(rng.uniform(0, 650), rng.uniform(0, 500), rng.uniform(1, 60), rng.uniform(1, 60));
+        bool all = true;
+        for (int y = area.y; y <= area.y + area.height; y++)
+            for (int x = area.x; x <= area.x + area.width; x++) all = all && region.sees(Point2d(x, y));
+        EXPECT_EQ(all, region.seesAll(area));
+        count += all;
+    }
+    EXPECT_GT(count, 30);
+    EXPECT_LT(count, 270);
+    region.setMask(Mat());
+    region.look(image);
+    EXPECT_FALSE(region.isPartial());
+    EXPECT_EQ(2, region.changes());
 }
 
 }} // namespace

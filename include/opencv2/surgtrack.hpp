@@ -42,6 +42,7 @@ calibration, time offsets, importers, live data, the scene from outside and scor
 */
 
 #include "opencv2/surgtrack/camera.hpp"
+#include "opencv2/surgtrack/fields.hpp"
 #include "opencv2/surgtrack/tool_model.hpp"
 #include "opencv2/surgtrack/tool_view.hpp"
 #include "opencv2/surgtrack/part_match.hpp"

@@ -62,14 +62,14 @@ struct Data
         label = plainName(sequence->name());
     }
 
-    double time(int frame) const { return sequence->frameTime(frame); }
+    double time(int frame, int field = 0) const { return sequence->frameTime(frame, field); }
 
     //! The joint readings of all tools at a frame.
-    void joints(int frame, std::vector<std::vector<double> >& readings) const
+    void joints(int frame, std::vector<std::vector<double> >& readings, int field = 0) const
     {
         readings.resize(tools.size());
         for (int i = 0; i < (int)tools.size(); i++)
-            if (!sequence->jointsAt(i, time(frame), readings[i], tools[i].model->coordinateNames()))
+            if (!sequence->jointsAt(i, time(frame, field), readings[i], tools[i].model->coordinateNames()))
                 fail(format("%s: no joint readings of tool '%s' at %.3f s (frame %d), expected the time of every frame; they cover %.3f to %.3f s",
                             sequence->kinematicsFile().c_str(), tools[i].info.name.c_str(), time(frame), frame, sequence->firstTime(i),
                             sequence->lastTime(i)));

@@ -155,6 +155,7 @@ public:
             tracker_->addTool(data.tools[i].model, data.tools[i].info.nominal_T_base);
         if (stereo)
             tracker_->setRightCamera(data.sequence->rightCamera(), data.sequence->right_T_left());
+        common::setMasks(*data.sequence, *tracker_, stereo);
         scorer_ = PoseScorer::create(data.sequence->leftCamera(), common::modelsOf(data.tools));
     }
 
@@ -171,12 +172,14 @@ public:
             if (!reader.read(left, right))
                 break;
             data_.joints(frame, joints);
-            if (stereo_)
-                tracker_->updateStereo(left, right, data_.time(frame), joints, estimates);
-            else
-                tracker_->update(left, data_.time(frame), joints, estimates);
+            update(left, right, data_.time(frame), joints, estimates);
             for (int i = 0; i < (int)estimates.size(); i++)
                 take(frame, i, left, joints[i], estimates[i]);
+            if (reader.readSecond(left, right))   // the poses of a frame are those of its first field
+            {
+                data_.joints(frame, joints, 1);
+                update(left, right, data_.time(frame, 1), joints, estimates);
+            }
             run_.frames++;
             progress.show(run_.frames);
         }
@@ -194,6 +197,14 @@ public:
     }
 
 private:
+    void update(const Mat& left, const Mat& right, double time, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates)
+    {
+        if (stereo_)
+            tracker_->updateStereo(left, right, time, joints, estimates);
+        else
+            tracker_->update(left, time, joints, estimates);
+    }
+
     void take(int frame, int tool, const Mat& image, const std::vector<double>& readings, const ToolEstimate& e)
     {
         Truth truth;

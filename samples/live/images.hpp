@@ -23,11 +23,12 @@ struct LiveImage
 class LiveImages
 {
 public:
-    /** @param sources a camera's number, or what else VideoCapture opens; two for both eyes
-    @param cameras whose size the images must have
+    /** @param sources a camera's number, or what else VideoCapture opens; two for both eyes, one if they come in one image
+    @param setup says which size images have, and how the eyes lie in them
+    @param stereo both eyes are wanted
     @param live they come when they come; else they are played at a pace */
-    LiveImages(const std::vector<std::string>& sources, const std::vector<cv::surgtrack::CameraModel>& cameras, bool live, double fps)
-        : sources_(sources), cameras_(cameras), captures_(sources.size()), live_(live), fps_(fps), full_(false), ended_(false), stop_(false)
+    LiveImages(const std::vector<std::string>& sources, const cv::Ptr<cv::surgtrack::Sequence>& setup, bool stereo, bool live, double fps)
+        : sources_(sources), setup_(setup), stereo_(stereo), captures_(sources.size()), live_(live), fps_(fps), full_(false), ended_(false), stop_(false)
     {
         for (size_t i = 0; i < sources.size(); i++) open((int)i);
     }
@@ -92,7 +93,7 @@ private:
                           : source + ": can't be read as a video");
         if (!isNumber)
             return;
-        const cv::Size size = cameras_[eye].imageSize();    // a wish: what comes is checked
+        const cv::Size size = setup_->frameSize();    // a wish: what comes is checked
         captures_[eye].set(cv::CAP_PROP_FRAME_WIDTH, size.width);
         captures_[eye].set(cv::CAP_PROP_FRAME_HEIGHT, size.height);
         captures_[eye].set(cv::CAP_PROP_FPS, fps_);
@@ -108,12 +109,18 @@ private:
         for (size_t i = 0; i < captures_.size(); i++)
         {
             cv::Mat& eye = i == 0 ? image.left : image.right;
-            if (!captures_[i].retrieve(eye) || eye.empty())
+            cv::Mat& frame = setup_->frameSize() == setup_->leftCamera().imageSize() && setup_->imagesPerFrame() == 1 ? eye : frame_;
+            if (!captures_[i].retrieve(frame) || frame.empty())
                 return false;
-            const cv::Size size = cameras_[i].imageSize();
-            if (eye.size() != size)
-                fail(cv::format("%s: image %d has %dx%d pixels, expected %dx%d as in sequence.yaml", sources_[i].c_str(), image.number, eye.cols,
-                                eye.rows, size.width, size.height));
+            const cv::Size size = setup_->frameSize();
+            if (frame.size() != size)
+                fail(cv::format("%s: image %d has %dx%d pixels, expected %dx%d as in sequence.yaml", sources_[i].c_str(), image.number, frame.cols,
+                                frame.rows, size.width, size.height));
+            if (&frame == &eye)
+                continue;
+            setup_->eyeImage(frame, eye, (int)i);
+            if (stereo_ && captures_.size() == 1)
+                setup_->eyeImage(frame, image.right, 1);
         }
         return true;
     }
@@ -154,7 +161,9 @@ private:
     }
 
     const std::vector<std::string> sources_;
-    const std::vector<cv::surgtrack::CameraModel> cameras_;
+    const cv::Ptr<cv::surgtrack::Sequence> setup_;
+    const bool stereo_;
+    cv::Mat frame_;    // of several images
     std::vector<cv::VideoCapture> captures_;
     const bool live_;
     const double fps_;

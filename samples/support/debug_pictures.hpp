@@ -169,7 +169,9 @@ private:
     //! Paper, Fig. 2a: each part's features on the drawing.
     Mat drawTemplates(const DebugTool& tool) const
     {
-        const Mat drawing = lit();
+        Mat drawing = lit();
+        const int enlargement = sight_.enlargement;
+        resize(drawing, drawing, drawing.size() * enlargement, 0, 0, INTER_LINEAR);
         const std::vector<String> names = tool.model->keypointNames();
         int reach = 1;
         for (size_t i = 0; i < sight_.templates.size(); i++)
@@ -183,7 +185,7 @@ private:
         {
             Mat padded, picture;
             copyMakeBorder(drawing * 0.6, padded, reach, reach, reach, reach, BORDER_CONSTANT, Scalar::all(0));
-            resize(padded(Rect(sight_.templates[i].anchor.x, sight_.templates[i].anchor.y, 2 * reach + 1, 2 * reach + 1)), picture, Size(), pixel, pixel, INTER_NEAREST);
+            resize(padded(Rect(enlargement * sight_.templates[i].anchor.x, enlargement * sight_.templates[i].anchor.y, 2 * reach + 1, 2 * reach + 1)), picture, Size(), pixel, pixel, INTER_NEAREST);
             const Point middle(picture.cols / 2, picture.rows / 2);
             drawTemplate(picture, sight_.templates[i], middle, pixel);
             drawMarker(picture, middle, Scalar::all(0), MARKER_CROSS, 17, 5);
@@ -205,7 +207,8 @@ private:
             Mat similarity, picture, square = Mat::zeros(TILE, TILE, CV_8UC3);
             if (!window.empty())
             {
-                matcher_->similarityMap(sight_.templates[i], window, similarity);
+                const int n = sight_.enlargement;
+                matcher_->similarityMap(sight_.templates[i], Rect(n * window.x, n * window.y, n * window.width, n * window.height), similarity);
                 drawSimilarity(similarity, sight_.templates[i], picture);
                 const double zoom = double(TILE) / std::max(window.width, window.height);
                 resize(picture, picture, Size(std::max(1, cvFloor(window.width * zoom)), std::max(1, cvFloor(window.height * zoom))), 0, 0, INTER_CUBIC);

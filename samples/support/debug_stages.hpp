@@ -99,7 +99,10 @@ protected:
         const Size all = sight_.camera.imageSize();
         scale_ = all.width / 720.;
         resize(image, image_, all, 0, 0, INTER_AREA);
-        matcher_->setImage(image_);
+        Mat matched = image_;
+        if (sight_.enlargement > 1)   // of a small tool
+            resize(image_, matched, all * sight_.enlargement, 0, 0, INTER_LINEAR);
+        matcher_->setImage(matched);
         Rect box;
         for (size_t i = 0; i < sight_.found.windows.size(); i++)
             box = box.empty() ? sight_.found.windows[i] : box | sight_.found.windows[i];

@@ -16,13 +16,13 @@
 
 namespace common {
 
-//! A video whose frames all have the size the sequence says; decoded in a thread of its own, two frames ahead.
+//! The images of one eye, out of a video whose frames all have the size the sequence says; decoded in a thread of its own, two frames ahead.
 class FrameReader
 {
 public:
     FrameReader(const cv::surgtrack::Sequence& sequence, int start, bool right = false)
-        : filename_(right ? sequence.rightVideo() : sequence.leftVideo()),
-          size_((right ? sequence.rightCamera() : sequence.leftCamera()).imageSize()), next_(0), rate_(0), shift_(0), isShifted_(false),
+        : sequence_(sequence), eye_(right), plain_(sequence.layout() == cv::surgtrack::LAYOUT_SEPARATE && sequence.imagesPerFrame() == 1),
+          filename_(right ? sequence.rightVideo() : sequence.leftVideo()), size_(sequence.frameSize()), next_(0), rate_(0), shift_(0), isShifted_(false),
           decoded_(0), taken_(0), ended_(false), stop_(false)
     {
         if (!capture_.open(filename_))
@@ -51,28 +51,18 @@ public:
         thread_.join();
     }
 
-    //! image may come with the memory of a frame that is done with.
+    //! The next frame's image, the first one if it holds two. It may come with the memory of a frame that is done with.
     bool read(cv::Mat& image)
     {
-        {
-            std::unique_lock<std::mutex> lock(mutex_);
-            while (decoded_ == taken_ && !ended_)
-                changed_.wait(lock);
-            if (decoded_ == taken_ && error_)
-                std::rethrow_exception(error_);
-            if (decoded_ == taken_)
-                return false;
-            cv::swap(image, frames_[taken_ % LOOK_AHEAD]);
-            checkStamp(stamps_[taken_ % LOOK_AHEAD]);
-            taken_++;
-        }
-        changed_.notify_all();
-        if (image.size() != size_)
-            fail(cv::format("%s: frame %d has %dx%d pixels, expected %dx%d as in sequence.yaml", filename_.c_str(), next_, image.cols, image.rows,
-                            size_.width, size_.height));
-        next_++;
+        if (!readFrame(plain_ ? image : frame_))
+            return false;
+        if (!plain_)
+            take(image, eye_, 0);
         return true;
     }
+
+    //! Another image of the frame that was read, of a sequence that has several in one. See Sequence::eyeImage().
+    void take(cv::Mat& image, int eye, int field) const { sequence_.eyeImage(frame_, image, eye, field); }
 
     //! Throws if the video should have gone on.
     void checkEnd(const cv::surgtrack::Sequence& sequence) const
@@ -95,6 +85,28 @@ public:
 
 private:
     enum { LOOK_AHEAD = 2 };
+
+    bool readFrame(cv::Mat& image)
+    {
+        {
+            std::unique_lock<std::mutex> lock(mutex_);
+            while (decoded_ == taken_ && !ended_)
+                changed_.wait(lock);
+            if (decoded_ == taken_ && error_)
+                std::rethrow_exception(error_);
+            if (decoded_ == taken_)
+                return false;
+            cv::swap(image, frames_[taken_ % LOOK_AHEAD]);
+            checkStamp(stamps_[taken_ % LOOK_AHEAD]);
+            taken_++;
+        }
+        changed_.notify_all();
+        if (image.size() != size_)
+            fail(cv::format("%s: frame %d has %dx%d pixels, expected %dx%d as in sequence.yaml%s", filename_.c_str(), next_, image.cols, image.rows,
+                            size_.width, size_.height, sequence_.layout() ? " by image_width, image_height and layout" : ""));
+        next_++;
+        return true;
+    }
 
     //! Says so, once, if the video's own time stamps are not those of a constant rate. @param stamp [s]
     void checkStamp(double stamp)
@@ -140,6 +152,10 @@ private:
         }
     }
 
+    const cv::surgtrack::Sequence& sequence_;
+    const int eye_;
+    const bool plain_;      // frames are the eye's images
+    cv::Mat frame_;         // the last one, if not
     cv::VideoCapture capture_;
     cv::String filename_;
     cv::Size size_;
@@ -156,13 +172,14 @@ private:
     std::thread thread_;
 };
 
-//! The frames of one eye, or of both side by side.
+//! The images of one eye, or of both.
 class EyesReader
 {
 public:
-    EyesReader(const cv::surgtrack::Sequence& sequence, int start, bool stereo) : sequence_(sequence), left_(sequence, start)
+    EyesReader(const cv::surgtrack::Sequence& sequence, int start, bool stereo)
+        : sequence_(sequence), left_(sequence, start), together_(stereo && sequence.layout() != cv::surgtrack::LAYOUT_SEPARATE)
     {
-        if (stereo)
+        if (stereo && !together_)
             right_ = cv::makePtr<FrameReader>(sequence, start, true);
     }
 
@@ -176,7 +193,20 @@ public:
             right_->checkEnd(sequence_);
         if (leftFound != rightFound)
             (leftFound ? *right_ : left_).failEnd(leftFound ? left_ : *right_);
+        if (leftFound && together_)
+            left_.take(right, 1, 0);
         return leftFound;
+    }
+
+    //! The second field of the frame that was read. @return false if frames have none
+    bool readSecond(cv::Mat& left, cv::Mat& right) const
+    {
+        if (sequence_.imagesPerFrame() < 2)
+            return false;
+        left_.take(left, 0, 1);
+        if (right_ || together_)
+            (right_ ? *right_ : left_).take(right, 1, 1);
+        return true;
     }
 
     int count() const { return left_.count(); }
@@ -184,7 +214,28 @@ public:
 private:
     const cv::surgtrack::Sequence& sequence_;
     FrameReader left_;
+    const bool together_;   // in one file
     cv::Ptr<FrameReader> right_;
+};
+
+/** Says so, once, if the images of a sequence are interlaced and its description does not tell. */
+class FieldsNote
+{
+public:
+    explicit FieldsNote(const cv::surgtrack::Sequence& sequence) : sequence_(sequence), combed_(0) {}
+
+    void look(const cv::Mat& image)
+    {
+        const int sure = 3;   // images
+        if (sequence_.imagesPerFrame() > 1 || combed_ >= sure || !cv::surgtrack::isInterlaced(image) || ++combed_ < sure)
+            return;
+        std::fprintf(stderr, "note: %s: is interlaced, only one field of each frame is used: write fields: top_first (or bottom_first, as DV has) into "
+                     "sequence.yaml for both\n", sequence_.leftVideo().c_str());
+    }
+
+private:
+    const cv::surgtrack::Sequence& sequence_;
+    int combed_;
 };
 
 } // namespace common

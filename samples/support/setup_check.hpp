@@ -192,8 +192,10 @@ public:
     {
         cv::Mat left, right;
         cv::VideoCapture a(sequence.leftVideo()), b(sequence.rightVideo());
-        if (!a.read(left) || !b.read(right) || left.size() != right.size())
+        if (!a.read(left) || !b.read(right) || left.size() != sequence.frameSize() || right.size() != sequence.frameSize())
             return std::string();
+        sequence.eyeImage(left.clone(), left, 0);
+        sequence.eyeImage(right.clone(), right, 1);
         cv::cvtColor(left, left, cv::COLOR_BGR2GRAY);
         cv::cvtColor(right, right, cv::COLOR_BGR2GRAY);
         std::vector<cv::Point2f> corners;

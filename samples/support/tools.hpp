@@ -36,6 +36,13 @@ inline std::vector<Tool> loadTools(const cv::surgtrack::Sequence& sequence)
     return tools;
 }
 
+//! What the sequence says the eyes do not show.
+inline void setMasks(const cv::surgtrack::Sequence& sequence, cv::surgtrack::ToolTracker& tracker, bool stereo)
+{
+    for (int eye = 0; eye <= (int)stereo; eye++)
+        tracker.setMask(sequence.mask(eye), eye);
+}
+
 inline std::vector<cv::String> namesOf(const std::vector<Tool>& tools)
 {
     std::vector<cv::String> names;

@@ -11,12 +11,6 @@ namespace {
 
 const int spacing = 8;             // of samples [pixel]
 
-/* Of an image without fields rows that are nearer differ less; of noise alone both differences are the same, to a twentieth in a
-   block's 190 samples. Motion across upright edges by a pixel and more makes the nearer ones larger. */
-const int combBlock = 96;          // [pixel]
-const double combRatio = 1.25, combDifference = 4;   // of the differences; least mean of the nearer ones [grey levels]
-const int combBlocks = 2;          // one alone may be a ribbed jaw
-
 const int surroundBlock = 8, surroundStep = 2;   // [pixel]
 const int darkest = 6;             // video black with what a codec leaves of the picture beside it [grey levels]
 const int surroundMargin = 2;      // blocks about a surround that hold its border, and the blur of gradients
@@ -25,53 +19,23 @@ const double leastSurround = 0.03; // of the image: a pillar of 20 pixels; less 
 
 } // namespace
 
-bool isInterlaced(const Mat& image, int reduction)
+static Size blocksOf(const Size& image)
 {
-    if (image.rows < 8) return false;
-    const int channels = image.channels(), channel = channels / 2;   // green tells most of the light
-    const int block = combBlock * reduction;
-    int combed = 0;
-    for (int top = 0; top + block / 2 <= image.rows; top += block)
-        for (int left = 0; left + block / 2 <= image.cols; left += block)
-        {
-            int nearer = 0, farther = 0, count = 0;
-            const int bottom = std::min(top + block, image.rows - 2), right = std::min(left + block, image.cols);
-            for (int y = top; y < bottom; y += 6 * reduction)
-            {
-                const uchar *a = image.ptr(y) + channel, *b = image.ptr(y + 1) + channel, *c = image.ptr(y + 2) + channel;
-                for (int x = left; x < right; x += 8 * reduction, count++)
-                {
-                    nearer += std::abs(a[x * channels] - b[x * channels]);
-                    farther += std::abs(a[x * channels] - c[x * channels]);
-                }
-            }
-            combed += nearer > combRatio * farther && nearer > combDifference * count;
-        }
-    return combed >= combBlocks;
-}
-
-void takeField(const Mat& image, Mat& field)
-{
-    field.create(image.size(), image.type());
-    const int n = image.cols * image.channels();
-    for (int y = 0; y < image.rows; y++)
-    {
-        uchar* to = field.ptr(y);
-        const uchar *above = image.ptr(y & ~1), *below = image.ptr(std::min((y & ~1) + 2, (image.rows - 1) & ~1));
-        if (y % 2 == 0) std::copy(above, above + n, to);
-        else
-            for (int i = 0; i < n; i++) to[i] = uchar((above[i] + below[i] + 1) >> 1);
-    }
+    return Size((image.width + surroundBlock - 1) / surroundBlock, (image.height + surroundBlock - 1) / surroundBlock);
 }
 
 void VisibleRegion::setMask(const Mat& mask)
 {
-    mask_ = mask.clone();
+    const Size blocks = blocksOf(mask.size());
+    masked_.assign(blocks.area(), 0);
+    for (int y = 0; y < mask.rows; y++)
+        for (int x = 0; x < mask.cols; x++)
+            if (!mask.at<uchar>(y, x)) masked_[size_t(y / surroundBlock) * blocks.width + x / surroundBlock] = 1;
     looks_ = 0;
 }
 
 // All samples of all channels of a block.
-void VisibleRegion::findSurround(const Mat& image, std::vector<uchar>& dark) const
+void VisibleRegion::findSurround(const Mat& image, std::vector<uchar>& dark)
 {
     const int channels = image.channels();
     dark.assign(blocks_.area(), 1);
@@ -87,51 +51,50 @@ void VisibleRegion::findSurround(const Mat& image, std::vector<uchar>& dark) con
 }
 
 // Surrounds reach the border of the image; shadows do not, as a rule.
-void VisibleRegion::keepConnected(std::vector<uchar>& dark) const
+void VisibleRegion::keepConnected(std::vector<uchar>& dark)
 {
-    std::vector<Point> open;
-    std::vector<uchar> kept(dark.size(), 0);
+    kept_.assign(dark.size(), 0);
+    open_.clear();
     for (int y = 0; y < blocks_.height; y++)
         for (int x = 0; x < blocks_.width; x++)
-            if (y == 0 || x == 0 || y == blocks_.height - 1 || x == blocks_.width - 1) open.push_back(Point(x, y));
+            if (y == 0 || x == 0 || y == blocks_.height - 1 || x == blocks_.width - 1) open_.push_back(Point(x, y));
     int count = 0;
-    while (!open.empty())
+    while (!open_.empty())
     {
-        const Point p = open.back();
-        open.pop_back();
+        const Point p = open_.back();
+        open_.pop_back();
         if (!Rect(Point(), blocks_).contains(p)) continue;
         const size_t i = size_t(p.y) * blocks_.width + p.x;
-        if (!dark[i] || kept[i]) continue;
-        kept[i] = 1;
+        if (!dark[i] || kept_[i]) continue;
+        kept_[i] = 1;
         count++;
-        open.push_back(p + Point(1, 0));
-        open.push_back(p - Point(1, 0));
-        open.push_back(p + Point(0, 1));
-        open.push_back(p - Point(0, 1));
+        open_.push_back(p + Point(1, 0));
+        open_.push_back(p - Point(1, 0));
+        open_.push_back(p + Point(0, 1));
+        open_.push_back(p - Point(0, 1));
     }
     // An image that is all black is no surround: the light is off.
-    if (count < leastSurround * blocks_.area() || count == blocks_.area()) std::fill(kept.begin(), kept.end(), uchar(0));
-    dark.swap(kept);
+    if (count < leastSurround * blocks_.area() || count == blocks_.area()) std::fill(kept_.begin(), kept_.end(), uchar(0));
+    dark.swap(kept_);
 }
 
 // What was dark at both of the last looks, and what the mask hides, with a margin.
 void VisibleRegion::combine()
 {
-    std::vector<uchar> hidden = dark_;
-    for (int y = 0; y < mask_.rows; y++)
-        for (int x = 0; x < mask_.cols; x++)
-            if (!mask_.at<uchar>(y, x)) hidden[size_t(y / surroundBlock) * blocks_.width + x / surroundBlock] = 1;
-    hidden_.assign(hidden.size(), 0);
+    found_.swap(hidden_);   // as it was
+    hidden_.assign(both_.size(), 0);
     partial_ = false;
     for (int y = 0; y < blocks_.height; y++)
         for (int x = 0; x < blocks_.width; x++)
         {
-            if (!hidden[size_t(y) * blocks_.width + x]) continue;
+            const size_t i = size_t(y) * blocks_.width + x;
+            if (!both_[i] && !(i < masked_.size() && masked_[i])) continue;
             partial_ = true;
             for (int v = std::max(0, y - surroundMargin); v <= std::min(blocks_.height - 1, y + surroundMargin); v++)
                 for (int u = std::max(0, x - surroundMargin); u <= std::min(blocks_.width - 1, x + surroundMargin); u++)
                     hidden_[size_t(v) * blocks_.width + u] = 1;
         }
+    changes_ += found_ != hidden_;
 }
 
 void VisibleRegion::look(const Mat& image)
@@ -139,17 +102,16 @@ void VisibleRegion::look(const Mat& image)
     if (image.size() != size_)
     {
         size_ = image.size();
-        blocks_ = Size((size_.width + surroundBlock - 1) / surroundBlock, (size_.height + surroundBlock - 1) / surroundBlock);
+        blocks_ = blocksOf(size_);
         looks_ = 0;
     }
     if (looks_++ % looksApart) return;
-    std::vector<uchar> dark;
-    findSurround(image, dark);
+    findSurround(image, found_);
+    both_ = found_;
     if (looks_ > 1)
-        for (size_t i = 0; i < dark.size(); i++) dark_[i] = dark_[i] && dark[i];
-    else dark_ = dark;
+        for (size_t i = 0; i < both_.size(); i++) both_[i] = both_[i] && dark_[i];
+    dark_.swap(found_);
     combine();
-    dark_ = dark;
 }
 
 bool VisibleRegion::sees(const Point2d& p) const
@@ -157,6 +119,32 @@ bool VisibleRegion::sees(const Point2d& p) const
     if (!partial_) return true;
     const int x = cvFloor(p.x) / surroundBlock, y = cvFloor(p.y) / surroundBlock;
     return p.x >= 0 && p.y >= 0 && x < blocks_.width && y < blocks_.height && !hidden_[size_t(y) * blocks_.width + x];
+}
+
+bool VisibleRegion::seesAll(const Rect2d& area) const
+{
+    if (!partial_) return true;
+    const int left = cvFloor(area.x) / surroundBlock, right = cvFloor(area.x + area.width) / surroundBlock;
+    const int top = cvFloor(area.y) / surroundBlock, bottom = cvFloor(area.y + area.height) / surroundBlock;
+    if (area.x < 0 || area.y < 0 || right >= blocks_.width || bottom >= blocks_.height) return false;
+    for (int y = top; y <= bottom; y++)
+        for (int x = left; x <= right; x++)
+            if (hidden_[size_t(y) * blocks_.width + x]) return false;
+    return true;
+}
+
+void VisibleRegion::paint(Mat& mask, double factor) const
+{
+    mask.setTo(Scalar::all(255));
+    // The first pixel of the mask that lies in a block, or beyond it.
+    const auto first = [&](int block) { return std::max(0, cvCeil((block * surroundBlock + 0.5) / factor - 0.5)); };
+    for (int y = 0; y < blocks_.height; y++)
+        for (int x = 0; x < blocks_.width; x++)
+        {
+            if (!hidden_[size_t(y) * blocks_.width + x]) continue;
+            const Rect block(Point(first(x), first(y)), Point(first(x + 1), first(y + 1)));
+            mask(block & Rect(Point(), mask.size())).setTo(Scalar::all(0));
+        }
 }
 
 void ImageSamples::look(const Mat& image, int reduction)

@@ -10,16 +10,9 @@
 
 namespace cv { namespace surgtrack {
 
-//! Two fields in one image, of different times: rows next to each other differ more than those that are two apart.
-//! @param reduction of an image that is so many times as large, as many pixels are looked at
-bool isInterlaced(const Mat& image, int reduction);
-
-//! The first field of an image, its missing rows as the mean of their neighbours. @param field result, not the image
-void takeField(const Mat& image, Mat& field);
-
 /** Where a camera never shows anything: black surrounds and pillars, found in the images, and what the user says. In blocks, since
 gradients near the border of a surround are its own. */
-class VisibleRegion
+class CV_EXPORTS VisibleRegion
 {
 public:
     //! What the user knows. @param mask CV_8UC1 of the images' size: 0 where there is nothing to see; empty: all may be seen
@@ -30,16 +23,24 @@ public:
     //! Whether there is anything that is not seen.
     bool isPartial() const { return partial_; }
     bool sees(const Point2d& p) const;
+    //! Whether all of an area is seen.
+    bool seesAll(const Rect2d& area) const;
+    //! How often what is seen has changed.
+    int changes() const { return changes_; }
+    //! 255 where something is seen. @param factor pixels of the mask are so many of the image wide; the mask has the size it is to have
+    void paint(Mat& mask, double factor) const;
 
 private:
-    void findSurround(const Mat& image, std::vector<uchar>& dark) const;
-    void keepConnected(std::vector<uchar>& dark) const;
+    void findSurround(const Mat& image, std::vector<uchar>& dark);
+    void keepConnected(std::vector<uchar>& dark);
     void combine();
 
     Size size_, blocks_;
-    Mat mask_;
-    std::vector<uchar> dark_, hidden_;   // a block; dark_: at the last look
-    int looks_ = 0;
+    std::vector<uchar> masked_;                 // a block; empty: no mask
+    std::vector<uchar> dark_, both_, hidden_;   // at the last look, at the last two, and in the end
+    std::vector<uchar> found_, kept_;           // memory of a look
+    std::vector<Point> open_;
+    int looks_ = 0, changes_ = 0;
     bool partial_ = false;
 };
 
@@ -47,7 +48,7 @@ private:
 class ImageSamples
 {
 public:
-    //! @param reduction see isInterlaced()
+    //! @param reduction of an image that is so many times as large, as many pixels are looked at
     void look(const Mat& image, int reduction);
     //! Mean difference from the image before in a region [grey levels]; DBL_MAX without one.
     double change(const Rect& region) const;

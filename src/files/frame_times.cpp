@@ -35,9 +35,12 @@ void Sequence::readFrames(const String& filename)
     fps_ = 1 / intervals[intervals.size() / 2];   // unless sequence.yaml says another one
 }
 
-double Sequence::frameTime(int frame) const
+double Sequence::frameTime(int frame, int field) const
 {
     CV_CheckGE(frame, 0, "frame");
+    CV_Check(field, field >= 0 && field <= 1, "field must be 0 or 1");
+    if (field == 1)   // where frames are missing the camera did not wait; where stamps jitter it still comes before the next one
+        return frameTime(frame) + 0.5 * std::min(1 / fps_, frameTime(frame + 1) - frameTime(frame));
     if (frames_.empty())
         return frame / fps_;
     if (frame <= frames_.front())

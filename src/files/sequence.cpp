@@ -25,29 +25,6 @@ int findTool(const std::vector<SequenceTool>& tools, const CsvReader& csv, int c
     csv.fail(format("tool '%s' is none of the tools of sequence.yaml", csv.text(column)));
 }
 
-CameraModel readCamera(const NodeReader& node, Size imageSize)
-{
-    const NodeReader matrix = node["camera_matrix"], coefficients = node["distortion_coefficients"];
-    const Mat K = matrix.matrix("a 3x3 matrix");
-    if (K.rows != 3 || K.cols != 3)
-        matrix.expected("a 3x3 matrix");
-    const char* expected = "a matrix of 0, 4, 5, 8 or 12 numbers";
-    Mat distortion = coefficients.matrix(expected).clone();
-    if (distortion.total() == 14 && countNonZero(distortion.reshape(1, 14).rowRange(12, 14)) == 0)   // as cv::calibrateCamera() may write it
-        distortion = distortion.reshape(1, 14).rowRange(0, 12).clone();
-    const size_t n = distortion.total();
-    if ((n != 0 && n != 4 && n != 5 && n != 8 && n != 12) || (n != 0 && distortion.rows != 1 && distortion.cols != 1))
-        coefficients.expected(expected);
-    try
-    {
-        return CameraModel(K, distortion, imageSize);
-    }
-    catch (const Exception& e)
-    {
-        node.fail(e.err);
-    }
-}
-
 Matx44d near(const NodeReader& node)
 {
     const Matx44d T = node.rigid();
@@ -94,7 +71,10 @@ struct Sequence::KeypointRecords
     std::vector<std::map<int, std::vector<TrueKeypoint> > > frames;   // a tool, by frame
 };
 
-Sequence::Sequence() : fps_(0), right_T_left_(Matx44d::eye()), hasGroundTruth_(false), keypoints_(makePtr<KeypointRecords>()) {}
+Sequence::Sequence()
+    : layout_(LAYOUT_SEPARATE), fields_(0), fps_(0), right_T_left_(Matx44d::eye()), hasGroundTruth_(false), keypoints_(makePtr<KeypointRecords>())
+{
+}
 
 Ptr<Sequence> Sequence::load(const String& folder, bool recorded)
 {
@@ -114,11 +94,11 @@ Ptr<Sequence> Sequence::load(const String& folder, bool recorded)
 
 void Sequence::readDescription(const String& filename, bool recorded)
 {
-    const char* const video = "the path of a video";
     const char* const table = "the path of a CSV file";
     const FileStorage file = openStorage(filename);
     const NodeReader root(filename, file.root());
-    const NodeReader left = root["left"], right = root["right"], kinematics = root["kinematics"], truth = root["groundtruth"];
+    filename_ = filename;
+    const NodeReader kinematics = root["kinematics"], truth = root["groundtruth"];
 
     name_ = root.has("name") ? root["name"].text() : utils::fs::canonical(besideFile(filename, "."));
     name_ = name_.substr(name_.find_last_of("/\\") + 1);
@@ -129,18 +109,9 @@ void Sequence::readDescription(const String& filename, bool recorded)
         fps_ = root["fps"].number();
     if (fps_ <= 0)
         root["fps"].expected("a number larger than 0 [frames/s]");
-    const Size size(root["image_width"].count("a whole number larger than 0 [pixel]"),
-                    root["image_height"].count("a whole number larger than 0 [pixel]"));
-    left_ = readCamera(left, size);
-    if (recorded || left.has("video"))
-        leftVideo_ = left["video"].path(video);
-    if (right.isThere())
-    {
-        right_ = readCamera(right, size);
-        if (recorded || right.has("video"))
-            rightVideo_ = right["video"].path(video);
+    readImages(root, recorded);
+    if (root.has("right"))
         right_T_left_ = near(root["right_T_left"]);
-    }
     kinematicsFile_ = kinematics.isThere() ? kinematics.path(table) : besideFile(filename, "kinematics.csv");
     groundTruthFile_ = truth.isThere() ? truth.path(table) : besideFile(filename, "groundtruth.csv");
     const NodeReader keypoints = root["keypoints"];

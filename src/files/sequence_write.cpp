@@ -128,14 +128,24 @@ private:
     {
         const FileNode old = root_[key];
         const FileNode oldVideo = old.isMap() ? old["video"] : FileNode();
-        out << key << "{" << "video" << (!video.empty() ? video : oldVideo.isString() ? (String)oldVideo : key + ".mp4");
+        const String layout = root_["layout"].isString() ? (String)root_["layout"] : String();
+        const bool ofLeft = key == "right" && !layout.empty() && layout != "separate";   // its images are in the left one's file
+        out << key << "{";
+        if (!video.empty() || oldVideo.isString() || !ofLeft)
+            out << "video" << (!video.empty() ? video : oldVideo.isString() ? (String)oldVideo : key + ".mp4");
         const Mat distortion = camera.distCoeffs();
         int n = 12;   // no more than is needed, of the numbers OpenCV allows
         const int sizes[] = { 8, 5 };
         for (int i = 0; i < 2; i++)
             if (countNonZero(distortion.colRange(sizes[i], 12)) == 0)
                 n = sizes[i];
-        out << "camera_matrix" << Mat(camera.cameraMatrix()) << "distortion_coefficients" << distortion.colRange(0, n) << "}";
+        out << "camera_matrix" << Mat(camera.cameraMatrix()) << "distortion_coefficients" << distortion.colRange(0, n);
+        if (old.isMap() && !old["mask"].empty())
+        {
+            out << "mask";
+            copy(old["mask"], out);
+        }
+        out << "}";
         done_.insert(key);
     }
 

@@ -153,11 +153,21 @@ Rect2d CameraModel::fieldOfView(const Rect& window) const
     return Rect2d(xmin, ymin, xmax - xmin, ymax - ymin);
 }
 
+//! Pixels f times as large in each direction.
+static CameraModel scaleCamera(const CameraModel& camera, double f, const Size& size)
+{
+    const Matx33d K(camera.fx * f, 0, (camera.cx + 0.5) * f - 0.5, 0, camera.fy * f, (camera.cy + 0.5) * f - 0.5, 0, 0, 1);
+    return CameraModel(K, camera.distCoeffs(), size);
+}
+
 CameraModel reduceCamera(const CameraModel& camera, int factor)
 {
-    const double f = 1. / factor;
-    const Matx33d K(camera.fx * f, 0, (camera.cx + 0.5) * f - 0.5, 0, camera.fy * f, (camera.cy + 0.5) * f - 0.5, 0, 0, 1);
-    return CameraModel(K, camera.distCoeffs(), Size(camera.imageSize().width / factor, camera.imageSize().height / factor));
+    return scaleCamera(camera, 1. / factor, Size(camera.imageSize().width / factor, camera.imageSize().height / factor));
+}
+
+CameraModel enlargeCamera(const CameraModel& camera, int factor)
+{
+    return scaleCamera(camera, factor, camera.imageSize() * factor);
 }
 
 }} // namespace cv::surgtrack

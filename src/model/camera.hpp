@@ -12,6 +12,9 @@ namespace cv { namespace surgtrack {
 //! The camera whose pixels are the means of factor x factor pixels.
 CameraModel reduceCamera(const CameraModel& camera, int factor);
 
+//! The camera of an image that was enlarged by a factor.
+CameraModel enlargeCamera(const CameraModel& camera, int factor);
+
 }} // namespace cv::surgtrack
 
 #endif

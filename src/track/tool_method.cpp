@@ -155,6 +155,7 @@ ToolSight ToolMethod::sight(size_t eye) const
     {
         result.views = from.drawing.views;
         result.templates = from.drawing.templates;
+        result.enlargement = from.drawing.enlargement;
         result.rendering.create(from.drawing.rendering.window);
         from.drawing.rendering.depth.copyTo(result.rendering.depth);
         from.drawing.rendering.ids.copyTo(result.rendering.ids);

@@ -18,6 +18,8 @@ ToolTracker::Stages::Stages()
     paperFilter.minPoints = 4;   // as many as must agree on the geometric context
 }
 
+ToolSight::ToolSight() : enlargement(1) {}
+
 StageTime::StageTime() : calls(0), last(0), mean(0), min(0), max(0) {}
 
 }} // namespace cv::surgtrack

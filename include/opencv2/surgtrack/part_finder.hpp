@@ -15,8 +15,11 @@ namespace cv { namespace surgtrack {
 /** @brief The part templates of a tool, and the drawing they were cut from. */
 struct CV_EXPORTS PartDrawing
 {
+    PartDrawing();
+
     std::vector<ToolView> views;             //!< of all tools, in the frame of the camera they were drawn for; without link poses: not drawn
     std::vector<PartTemplate> templates;     //!< of the tool wanted
+    int enlargement;                         //!< features and bounds of the templates are those of an image so many times as large: 1, or 2 of a small tool
     Rendering rendering;                     //!< see PartTemplateRenderer::rendering()
 };
 
@@ -46,10 +49,11 @@ struct CV_EXPORTS FoundParts
 CV_EXPORTS double meanSimilarity(const std::vector<PartMatch>& matches);
 
 /** @brief An eye: what a camera is looked at with. Draws part templates, finds them in windows, and verifies their arrangement (paper,
-Sec. 2.1 and 2.2). What is found is a value; over time it keeps nothing but memory.
+Sec. 2.1 and 2.2). What is found is a value; over time it keeps nothing but memory and which tools are small.
 
 Gradients, and all widths that are given in pixels, are made for images some 720 pixels wide: images of 1440 pixels and more are
-reduced by a whole number, and all points are those of the reduced image. Not thread-safe. */
+reduced by a whole number, and all points are those of the reduced image. Tools that are small in it, with a wrist of less than 30
+pixels, are drawn and matched at twice its size, where they have details; points stay those of the reduced image. Not thread-safe. */
 class CV_EXPORTS PartFinder
 {
 public:

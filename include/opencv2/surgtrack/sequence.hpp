@@ -12,6 +12,8 @@
 
 namespace cv { namespace surgtrack {
 
+class NodeReader;
+
 //! @addtogroup surgtrack
 //! @{
 
@@ -23,6 +25,14 @@ struct CV_EXPORTS_W_SIMPLE SequenceTool
     CV_PROP String model;               //!< path of the tool file
     CV_PROP Matx44d nominal_T_base;     //!< the calibrated, wrong, hand-eye: the key camera_T_base of the file
     CV_PROP double timeOffset;          //!< the joints of the image of time t were recorded at t + timeOffset: the key time_offset, else 0 [s]
+};
+
+/** @brief How the images of two eyes lie in the videos of a sequence: the key `layout`. */
+enum SequenceLayout
+{
+    LAYOUT_SEPARATE = 0,       //!< `separate`, or no key: a file each
+    LAYOUT_SIDE_BY_SIDE = 1,   //!< `side_by_side`: in one file, the left eye's image left of the right one's
+    LAYOUT_TOP_BOTTOM = 2      //!< `top_bottom`: in one file, the left eye's image above the right one's
 };
 
 /** @brief Where a keypoint of a tool truly is in a frame. */
@@ -52,8 +62,10 @@ public:
     /** @brief Frames a second. */
     CV_WRAP double fps() const { return fps_; }
     /** @brief Time of a frame: its stamp in frames.csv, interpolated between and 1 / fps apart beyond those it has; without that file
-    frame / fps [s]. @param frame number, from 0 on */
-    CV_WRAP double frameTime(int frame) const;
+    frame / fps [s].
+    @param frame number, from 0 on
+    @param field 1: of its second field, half a frame later */
+    CV_WRAP double frameTime(int frame, int field = 0) const;
     /** @brief Whether there is a frames.csv. */
     CV_WRAP bool hasFrameTimes() const { return !frames_.empty(); }
     /** @brief The left camera, or the only one. */
@@ -62,8 +74,27 @@ public:
     CV_WRAP CameraModel rightCamera() const { return right_; }
     /** @brief Path of the left video; may lie outside the folder. Empty if not recorded and not named. */
     CV_WRAP String leftVideo() const { return leftVideo_; }
-    /** @brief Path of the right video; empty if there is one camera. */
+    /** @brief Path of the right video, which is the left one if both eyes are in one file; empty if there is one camera. */
     CV_WRAP String rightVideo() const { return rightVideo_; }
+
+    /** @brief See SequenceLayout. */
+    CV_WRAP int layout() const { return layout_; }
+    /** @brief Of the frames of the videos: the cameras' size, or twice that if both eyes are in one file [pixel]. */
+    CV_WRAP Size frameSize() const;
+    /** @brief Images of an eye in a frame: 2 if it holds two fields, which the key `fields` tells, else 1. */
+    CV_WRAP int imagesPerFrame() const { return fields_ ? 2 : 1; }
+    /** @brief An eye's image out of a frame of its video.
+    @param frame of frameSize(), CV_8UC1 or CV_8UC3
+    @param image of the camera's size; the frame itself, not a copy, if there is nothing to take apart
+    @param eye 0 = left, 1 = right
+    @param field 0 to imagesPerFrame() - 1, as they follow in time; see splitFields() */
+    CV_WRAP void eyeImage(InputArray frame, OutputArray image, int eye = 0, int field = 0) const;
+    /** @brief What of an eye's images shows the scene, for ToolTracker::setMask(): the key `mask`.
+    @param eye 0 = left, 1 = right
+    @return CV_8UC1 of the camera's size, 0 where there is nothing to see; empty without the key
+    @throws cv::Exception naming file, key and what was expected */
+    CV_WRAP Mat mask(int eye = 0) const;
+
     /** @brief Pose of the left camera in the frame of the right one [m]. */
     CV_WRAP Matx44d right_T_left() const { return right_T_left_; }
     /** @brief Whether there are two cameras. */
@@ -127,6 +158,7 @@ private:
 
     Sequence();
     void readDescription(const String& filename, bool recorded);
+    void readImages(const NodeReader& root, bool recorded);
     void readFrames(const String& filename);
     void readKinematics();
     void readGroundTruth();
@@ -134,6 +166,8 @@ private:
     const JointRecords& records(int tool) const;
 
     String name_, leftVideo_, rightVideo_, kinematicsFile_, groundTruthFile_, keypointsFile_;
+    String filename_, masks_[2];        // of the description; an eye's, or none
+    int layout_, fields_;               // fields_: 0 = none, 1 = the top one first, 2 = the bottom one
     double fps_;
     std::vector<int> frames_;           // of frames.csv, with
     std::vector<double> stamps_;        // their times [s]

@@ -39,9 +39,12 @@ struct CV_EXPORTS_W_SIMPLE StageTime
 //! What the last update() looked at of a tool with one eye, and what it saw there: of the last pose it tried. For pictures.
 struct CV_EXPORTS ToolSight
 {
+    ToolSight();
+
     CameraModel camera;                      //!< of all points below: of the reduced image, see PartFinder
     std::vector<ToolView> views;             //!< of all tools, as they were drawn, in the frame of this eye; none if drawn ahead
     std::vector<PartTemplate> templates;     //!< that were looked for; none if drawn ahead
+    int enlargement;                         //!< of theirs, see PartDrawing
     Rendering rendering;                     //!< that they were cut from; none if drawn ahead
     FoundParts found;                        //!< windows, candidates and inliers
     std::vector<ContourPoint> outline;       //!< METHOD_FULL: at the pose, with the edges that contourSupport is counted from

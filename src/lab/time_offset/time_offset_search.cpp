@@ -45,15 +45,16 @@ void TimeOffsetEstimator::readFrames()
     const int end = int(std::max(0., std::min(double(total), (last - params_.expected + span) * fps + 1)));
     const int cell = stride_;
     stride_ = cell * std::max(1, (end - begin + cell * params_.frames - 1) / (cell * params_.frames));
-    const Size size = sequence_.leftCamera().imageSize();
-    Mat image;
+    const Size size = sequence_.frameSize();
+    Mat read, image;
     for (int frame = 0; frame < end && video.grab(); frame++)
     {
         if (frame < begin || frame % stride_ != 0) continue;
-        if (!video.retrieve(image)) break;
-        if (image.size() != size)
+        if (!video.retrieve(read)) break;
+        if (read.size() != size)
             CV_Error(Error::StsUnmatchedSizes, format("%s: frame %d has %dx%d pixels, expected %dx%d as in sequence.yaml", filename.c_str(),
-                                                      frame, image.cols, image.rows, size.width, size.height));
+                                                      frame, read.cols, read.rows, size.width, size.height));
+        sequence_.eyeImage(read, image);
         Mat kept;
         if (image.size() != camera_.imageSize()) resize(image, kept, camera_.imageSize(), 0, 0, INTER_AREA);
         else kept = image.clone();

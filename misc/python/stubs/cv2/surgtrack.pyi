@@ -58,6 +58,12 @@ METHOD_EPNP: int
 """the paper's baseline: EPnP on the matches of each frame alone"""
 METHOD_FULL: int
 """beyond the paper: joint offsets, outlines, both eyes, pushes of the camera, and evidence from parts and outline"""
+LAYOUT_SEPARATE: int
+"""`separate`, or no key: a file each"""
+LAYOUT_SIDE_BY_SIDE: int
+"""`side_by_side`: in one file, the left eye's image left of the right one's"""
+LAYOUT_TOP_BOTTOM: int
+"""`top_bottom`: in one file, the left eye's image above the right one's"""
 HAND_EYE_BOARD_ON_TOOL: int
 """the instrument holds the board, the camera stands: mount = the arm's base, holder = the tool"""
 HAND_EYE_CAMERA_ON_ARM: int
@@ -149,6 +155,25 @@ class CameraPair:
     """image size 0 x 0 if there is one eye only"""
     right_T_left: NDArray[np.float64]
     """maps the left camera's frame to the right's [m]"""
+
+def isInterlaced(image: NDArray[Any]) -> bool:
+    """Whether an image holds two fields of different times, known by their combs: rows next to each other differ more than those
+    that are two apart. Only where something moves; some samples are looked at.
+
+    image: CV_8UC1 or CV_8UC3
+    """
+    ...
+
+def splitFields(image: NDArray[Any], topFirst: bool, first: Optional[NDArray[Any]] = ..., second: Optional[NDArray[Any]] = ...) -> Tuple[NDArray[Any], NDArray[Any]]:
+    """Takes the two fields of an interlaced image apart. Each is an image of the full size for the same camera: its own rows are
+    where they were, the others are the means of their neighbours, so nothing moves up or down by half a row.
+
+    image: CV_8UC1 or CV_8UC3
+    topFirst: whether the rows 0, 2, 4, ... were taken before the others
+    first: what was taken first
+    second: what was taken half a frame later; noArray() if it is not wanted
+    """
+    ...
 
 class Mesh:
     """A triangle mesh in the frame of its link [m].
@@ -1515,11 +1540,12 @@ class Sequence:
     def fps(self) -> float:
         """Frames a second."""
         ...
-    def frameTime(self, frame: int) -> float:
+    def frameTime(self, frame: int, field: int = ...) -> float:
         """Time of a frame: its stamp in frames.csv, interpolated between and 1 / fps apart beyond those it has; without that file
         frame / fps [s].
 
         frame: number, from 0 on
+        field: 1: of its second field, half a frame later
         """
         ...
     def hasFrameTimes(self) -> bool:
@@ -1535,7 +1561,33 @@ class Sequence:
         """Path of the left video; may lie outside the folder. Empty if not recorded and not named."""
         ...
     def rightVideo(self) -> str:
-        """Path of the right video; empty if there is one camera."""
+        """Path of the right video, which is the left one if both eyes are in one file; empty if there is one camera."""
+        ...
+    def layout(self) -> int:
+        """See SequenceLayout."""
+        ...
+    def frameSize(self) -> Tuple[int, int]:
+        """Of the frames of the videos: the cameras' size, or twice that if both eyes are in one file [pixel]."""
+        ...
+    def imagesPerFrame(self) -> int:
+        """Images of an eye in a frame: 2 if it holds two fields, which the key `fields` tells, else 1."""
+        ...
+    def eyeImage(self, frame: NDArray[Any], image: Optional[NDArray[Any]] = ..., eye: int = ..., field: int = ...) -> NDArray[Any]:
+        """An eye's image out of a frame of its video.
+
+        frame: of frameSize(), CV_8UC1 or CV_8UC3
+        image: of the camera's size; the frame itself, not a copy, if there is nothing to take apart
+        eye: 0 = left, 1 = right
+        field: 0 to imagesPerFrame() - 1, as they follow in time; see splitFields()
+        """
+        ...
+    def mask(self, eye: int = ...) -> NDArray[Any]:
+        """What of an eye's images shows the scene, for ToolTracker.setMask(): the key `mask`.
+
+        eye: 0 = left, 1 = right
+        Returns: CV_8UC1 of the camera's size, 0 where there is nothing to see; empty without the key
+        Raises cv2.error naming file, key and what was expected
+        """
         ...
     def right_T_left(self) -> NDArray[np.float64]:
         """Pose of the left camera in the frame of the right one [m]."""
