@@ -4,7 +4,6 @@
 
 // Tracks as it happens: images of a camera, or of a video played at its pace, joint readings by UDP; poses go out by UDP and to a file.
 
-#include <csignal>
 #include <limits>
 #include "live/images.hpp"
 #include "support/run_output.hpp"
@@ -36,9 +35,6 @@ const double PATIENCE = 10;     // for the first readings [s]
 const double WAIT = 0.05;       // for the reading after an image [s]: some packets at 100 Hz may be lost
 const double DRAW_UNTIL = 2. / 3;    // after an image [interval]; later, drawing for the next one would slow its tracking down
 const double SILENCE = 1;       // without an image that has readings, until it is said [s]
-
-volatile std::sig_atomic_t interrupted = 0;
-void interrupt(int) { interrupted = 1; }
 
 struct Options
 {
@@ -183,8 +179,8 @@ void start(const Options& options, Run& run)
 {
     if (!options.quiet)
         std::fprintf(stderr, "waiting for joint readings\n");
-    const int missing = run.joints->waitForAll(PATIENCE, interrupted);
-    if (missing >= 0 && !interrupted)
+    const int missing = run.joints->waitForAll(PATIENCE, common::interrupted());
+    if (missing >= 0 && !common::interrupted())
     {
         const common::JointStream::Counts counts = run.joints->counts();
         const std::string complaint = run.joints->complaint();
@@ -273,7 +269,7 @@ void track(const Options& options, Run& run)
     double last = 0, spoken = common::now();
     while (!run.images->ended())
     {
-        if (interrupted)
+        if (common::interrupted())
             run.images->stop();
         if (!run.images->take(image))
             continue;
@@ -326,8 +322,7 @@ void printSummary(const Run& run)
 
 int run(const CommandLineParser& parser)
 {
-    std::signal(SIGINT, interrupt);
-    std::signal(SIGTERM, interrupt);
+    common::catchInterrupts();
     const Options options = readOptions(parser);
     Run run;
     prepare(options, run);
