@@ -9,7 +9,10 @@ BUILD_DIR="${BUILD_DIR:-$REPO/build}"
 mkdir -p "$BUILD_DIR" || { echo "error: cannot make the build folder $BUILD_DIR" >&2; exit 1; }
 BUILD_DIR="$(cd "$BUILD_DIR" && pwd -P)"
 LOGS="$BUILD_DIR/logs"
-PYTHON=/usr/bin/python3                   # the distribution's: OpenCV's bindings are built for this one
+# The Python that OpenCV's bindings are built for: that in PATH (venv, conda) if it has numpy and its headers, else the distribution's.
+PYTHON="$(python3 -c 'import numpy, os, sys, sysconfig
+if os.path.exists(os.path.join(sysconfig.get_paths()["include"], "Python.h")): print(sys.executable)' 2>/dev/null || true)"
+PYTHON="${PYTHON:-/usr/bin/python3}"
 JOBS="${JOBS:-$(nproc)}"
 
 if [[ -z "${SURGTRACK_DATA:-}" && -d "$REPO/../shared/data" ]]; then

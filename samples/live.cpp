@@ -5,9 +5,14 @@
 // Tracks as it happens: images of a camera, or of a video played at its pace, joint readings by UDP; poses go out by UDP and to a file.
 
 #include <limits>
+#include "opencv2/opencv_modules.hpp"
 #include "live/images.hpp"
 #include "support/run_output.hpp"
 #include "support/tools.hpp"
+
+#ifdef HAVE_OPENCV_HIGHGUI
+#include "opencv2/highgui.hpp"
+#endif
 
 using namespace cv;
 using namespace cv::surgtrack;
@@ -28,6 +33,7 @@ const char* const KEYS =
     "about -0.05 for one }"
     "{ send        |       | HOST:PORT to send poses to, JSON by UDP }"
     "{ poses       |       | CSV file to write the poses to }"
+    "{ show        |       | a window with the tools where they are found; Esc ends }"
     "{ frames      | 0     | stop after so many images, 0 = go on }"
     "{ quiet       |       | no progress }";
 
@@ -43,7 +49,7 @@ struct Options
     std::vector<std::string> cameras;    // empty: the video
     double fps, timeOffset;
     int frames;
-    bool stereo, quiet;
+    bool stereo, show, quiet;
 };
 
 std::vector<std::string> split(const std::string& text)
@@ -89,6 +95,11 @@ Options readOptions(const CommandLineParser& parser)
     options.fps = parser.has("fps") ? common::number(parser, "fps", 0.1, 1000) : 0;
     options.timeOffset = common::number(parser, "time-offset", -1e12, 1e12);
     options.frames = common::integer(parser, "frames", 0);
+    options.show = parser.has("show");
+#ifndef HAVE_OPENCV_HIGHGUI
+    if (options.show)
+        fail("argument '--show': this OpenCV was built without highgui, which has windows");
+#endif
     options.quiet = parser.has("quiet");
     return options;
 }
@@ -105,6 +116,7 @@ struct Run
     Ptr<common::JointStream> joints;
     Ptr<PoseWriter> writer;
     Ptr<common::UdpSender> sender;
+    Ptr<MeshRenderer> renderer;    // of the window; none: there is no window
     bool live;
     double timeOffset, interval;    // interval: between images [s]
     std::vector<ToolEstimate> estimates;             // of the last image
@@ -167,6 +179,8 @@ void prepare(const Options& options, Run& run)
         if (!options.ports[i].tool.empty() && std::find(names.begin(), names.end(), options.ports[i].tool) == names.end())
             fail("argument '--joints': tool '" + options.ports[i].tool + "' is none of the tools of sequence.yaml");
     run.images = makePtr<common::LiveImages>(sources, cameras, run.live, fps);
+    if (options.show)
+        run.renderer = MeshRenderer::createSoftware();
     if (!options.send.empty())
         run.sender = makePtr<common::UdpSender>(options.send);
     if (!options.poses.empty())
@@ -234,6 +248,27 @@ void drawAhead(Run& run, const std::vector<std::vector<double> >& readings, doub
     run.tracker->renderAhead(next);
 }
 
+//! @return whether the user wants it to end
+bool show(const Run& run, const Mat& image)
+{
+#ifdef HAVE_OPENCV_HIGHGUI
+    Mat picture = image.clone();
+    std::vector<DrawnTool> found;
+    for (size_t i = 0; i < run.tools.size(); i++)
+        if (common::isKnown(run.estimates[i]))
+            found.push_back(DrawnTool(run.tools[i].model, run.estimates[i]));
+    drawTools(picture, run.setup->leftCamera(), found, run.renderer);
+    for (size_t i = 0; i < run.tools.size(); i++)
+        drawEvidence(picture, run.estimates[i], run.tools[i].info.name, (int)i);
+    imshow("live", picture);
+    return waitKey(1) == 27;
+#else
+    (void)run;
+    (void)image;
+    return false;
+#endif
+}
+
 Answer answer(Run& run, const common::LiveImage& image)
 {
     const double time = imageTime(run, image.number, image.arrival), begin = common::now();
@@ -288,6 +323,8 @@ void track(const Options& options, Run& run)
             std::fprintf(stderr, "no joint readings at the time of the images for %g s\n", SILENCE);
             spoken = common::now();
         }
+        if (run.renderer && show(run, image.left))
+            run.images->stop();
         last = time;
         next = image.number + 1;
         progress.show(next);
@@ -345,6 +382,6 @@ int run(const CommandLineParser& parser)
 int main(int argc, char** argv)
 {
     const common::Program program = { "live", "Tracks the tools a camera sees now, by their CAD models and the joint readings a robot sends.",
-                                      KEYS, { "sequence", "joints", "camera", "fps", "time-offset", "send", "poses", "frames" }, { "stereo", "quiet" } };
+                                      KEYS, { "sequence", "joints", "camera", "fps", "time-offset", "send", "poses", "frames" }, { "stereo", "show", "quiet" } };
     return common::runProgram(argc, argv, program, run);
 }

@@ -8,6 +8,7 @@ Exit code 2: nothing was tracked."""
 
 import argparse
 import os
+import signal
 import sys
 import time
 
@@ -259,8 +260,14 @@ def track(args, run):
     remaining = max(0, reader.count - args.start)
     progress = Progress(min(args.frames, remaining) if args.frames else remaining, args.quiet)
     begin, frame, estimates = time.time(), args.start, None
+
+    def interrupt(number, _):
+        run.interrupted = True      # after this frame; the second Ctrl-C ends the program
+        signal.signal(number, signal.SIG_DFL)
+    signal.signal(signal.SIGINT, interrupt)
+    signal.signal(signal.SIGTERM, interrupt)
     try:
-        while args.frames == 0 or frame < args.start + args.frames:
+        while not run.interrupted and (args.frames == 0 or frame < args.start + args.frames):
             images = reader.read()
             if images is None:
                 break
@@ -278,8 +285,6 @@ def track(args, run):
             run.seconds = time.time() - begin
             progress.show(run.frames)
             frame += 1
-    except KeyboardInterrupt:       # what was tracked until then is complete
-        run.interrupted = True
     finally:
         progress.clear()
         if overlay is not None:
