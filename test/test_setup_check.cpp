@@ -127,6 +127,19 @@ TEST_F(SurgTrack_SetupCheck, namesAnotherRateAndOtherClocks)
     expectFinding(list("kinematics.csv", "other clocks? time_offset"));
 }
 
+TEST_F(SurgTrack_SetupCheck, namesAClockThatIsLate)
+{
+    std::istringstream in(get("kinematics.csv"));
+    std::ostringstream out;
+    std::string line;
+    std::getline(in, line);
+    out << line << "\n";
+    while (std::getline(in, line))   // those of one arm only
+        out << format("%.4f", std::atof(line.c_str()) + (line.find("PSM2") == String::npos ? 0 : 0.28)) << line.substr(line.find(',')) << "\n";
+    put("kinematics.csv", out.str());
+    expectFinding(list("time_offset of tool 'PSM2'", "0.2"));
+}
+
 TEST_F(SurgTrack_SetupCheck, namesEyesThatAreExchanged)
 {
     String text = get("sequence.yaml");

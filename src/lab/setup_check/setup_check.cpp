@@ -73,7 +73,7 @@ public:
             tools_.models.push_back(same < i ? tools_.models[same] : ToolModel::load(infos_[i].model));
             tools_.nominal_T_base.push_back(infos_[i].nominal_T_base);
         }
-        tools_.timeOffset = 0;
+        tools_.timeOffsets.assign(infos_.size(), 0.);
     }
 
     void run(bool stereo)
@@ -193,7 +193,7 @@ private:
                                       (int)tools_.models[i]->keypoints().size(), s.tracked, s.frames, s.evidence));
             good = good && (s.isGood() || !s.isJudged());
         }
-        if (good || exchanged(trial, scores) || late(trial)) return;
+        if (good || exchanged(trial, scores) || late(trial, scores)) return;
         for (size_t i = 0; i < scores.size(); i++)
             if (scores[i].isJudged() && !scores[i].isGood()) blame(infos_[i], scores[i]);
     }
@@ -237,20 +237,27 @@ private:
         return scores[i].isJudged() && scores[j].isJudged() && scores[i].isGood() && scores[j].isGood();
     }
 
-    //! Is it another time?
-    bool late(const SetupTrial& trial)
+    //! Is it another time? Arms may have clocks of their own.
+    bool late(const SetupTrial& trial, const std::vector<SetupScore>& before)
     {
-        TimeOffset found;
+        SetupTools tools = tools_;
         TimeOffsetParams params;
         params.frames /= 2;   // half the time: what is found is tried
-        if (!estimateTimeOffset(sequence_, found, params) || std::abs(found.offset) * sequence_->fps() < 1) return false;
-        SetupTools tools = tools_;
-        tools.timeOffset = found.offset;
+        for (params.tool = 0; params.tool < (int)infos_.size(); params.tool++)
+        {
+            TimeOffset found;
+            const bool judged = before[params.tool].isJudged() && !before[params.tool].isGood();
+            if (judged && estimateTimeOffset(sequence_, found, params) && std::abs(found.offset) * sequence_->fps() >= 1)
+                tools.timeOffsets[params.tool] = found.offset;
+        }
+        if (tools.timeOffsets == tools_.timeOffsets) return false;
         const std::vector<SetupScore> scores = trial.run(tools);
         for (size_t i = 0; i < scores.size(); i++)
             if (scores[i].isJudged() && !scores[i].isGood()) return false;
-        say(format("sequence.yaml: time_offset: the tools are found with readings %.3f s later than the images, not with those of their time: do the "
-                   "clocks differ?", found.offset));
+        for (size_t i = 0; i < scores.size(); i++)
+            if (tools.timeOffsets[i] != 0)
+                say(format("sequence.yaml: time_offset of tool '%s': it is found with readings that are stamped %.3f s later than the images (%.3f), not with "
+                           "those of their time: do the clocks differ?", infos_[i].name.c_str(), tools.timeOffsets[i], infos_[i].timeOffset + tools.timeOffsets[i]));
         return true;
     }
 

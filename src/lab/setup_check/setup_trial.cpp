@@ -58,7 +58,7 @@ void SetupTrial::trackStretch(const SetupTools& tools, int start, std::vector<Se
         if (image == images_.end()) return;
         const double time = sequence_.frameTime(frame);
         for (size_t i = 0; i < joints.size(); i++)
-            if (!sequence_.jointsAt((int)i, time + tools.timeOffset, joints[i], tools.models[i]->coordinateNames())) return;
+            if (!sequence_.jointsAt((int)i, time + tools.timeOffsets[i], joints[i], tools.models[i]->coordinateNames())) return;
         tracker->update(image->second, time, joints, estimates);
         for (size_t i = 0; i < estimates.size(); i++)
         {

@@ -16,7 +16,7 @@ struct SetupTools
 {
     std::vector<Ptr<ToolModel> > models;
     std::vector<Matx44d> nominal_T_base;
-    double timeOffset;    // of all readings, beside that of the sequence [s]
+    std::vector<double> timeOffsets;   // a tool, beside that of the sequence [s]
 };
 
 //! How well a tool is tracked.
