@@ -5,14 +5,10 @@
 // Tracks as it happens: images of a camera, or of a video played at its pace, joint readings by UDP; poses go out by UDP and to a file.
 
 #include <limits>
-#include "opencv2/opencv_modules.hpp"
 #include "live/images.hpp"
+#include "live/window.hpp"
 #include "support/run_output.hpp"
 #include "support/tools.hpp"
-
-#ifdef HAVE_OPENCV_HIGHGUI
-#include "opencv2/highgui.hpp"
-#endif
 
 using namespace cv;
 using namespace cv::surgtrack;
@@ -96,10 +92,6 @@ Options readOptions(const CommandLineParser& parser)
     options.timeOffset = common::number(parser, "time-offset", -1e12, 1e12);
     options.frames = common::integer(parser, "frames", 0);
     options.show = parser.has("show");
-#ifndef HAVE_OPENCV_HIGHGUI
-    if (options.show)
-        fail("argument '--show': this OpenCV was built without highgui, which has windows");
-#endif
     options.quiet = parser.has("quiet");
     return options;
 }
@@ -116,7 +108,7 @@ struct Run
     Ptr<common::JointStream> joints;
     Ptr<PoseWriter> writer;
     Ptr<common::UdpSender> sender;
-    Ptr<MeshRenderer> renderer;    // of the window; none: there is no window
+    Ptr<common::LiveWindow> window;
     bool live;
     double timeOffset, interval;    // interval: between images [s]
     std::vector<ToolEstimate> estimates;             // of the last image
@@ -180,7 +172,7 @@ void prepare(const Options& options, Run& run)
             fail("argument '--joints': tool '" + options.ports[i].tool + "' is none of the tools of sequence.yaml");
     run.images = makePtr<common::LiveImages>(sources, cameras, run.live, fps);
     if (options.show)
-        run.renderer = MeshRenderer::createSoftware();
+        run.window = makePtr<common::LiveWindow>();   // better now than at the first image
     if (!options.send.empty())
         run.sender = makePtr<common::UdpSender>(options.send);
     if (!options.poses.empty())
@@ -248,27 +240,6 @@ void drawAhead(Run& run, const std::vector<std::vector<double> >& readings, doub
     run.tracker->renderAhead(next);
 }
 
-//! @return whether the user wants it to end
-bool show(const Run& run, const Mat& image)
-{
-#ifdef HAVE_OPENCV_HIGHGUI
-    Mat picture = image.clone();
-    std::vector<DrawnTool> found;
-    for (size_t i = 0; i < run.tools.size(); i++)
-        if (common::isKnown(run.estimates[i]))
-            found.push_back(DrawnTool(run.tools[i].model, run.estimates[i]));
-    drawTools(picture, run.setup->leftCamera(), found, run.renderer);
-    for (size_t i = 0; i < run.tools.size(); i++)
-        drawEvidence(picture, run.estimates[i], run.tools[i].info.name, (int)i);
-    imshow("live", picture);
-    return waitKey(1) == 27;
-#else
-    (void)run;
-    (void)image;
-    return false;
-#endif
-}
-
 Answer answer(Run& run, const common::LiveImage& image)
 {
     const double time = imageTime(run, image.number, image.arrival), begin = common::now();
@@ -323,7 +294,7 @@ void track(const Options& options, Run& run)
             std::fprintf(stderr, "no joint readings at the time of the images for %g s\n", SILENCE);
             spoken = common::now();
         }
-        if (run.renderer && show(run, image.left))
+        if (run.window && !run.window->show(image.left, run.setup->leftCamera(), run.tools, run.estimates))
             run.images->stop();
         last = time;
         next = image.number + 1;
