@@ -9,7 +9,10 @@ BUILD_DIR="${BUILD_DIR:-$REPO/build}"
 mkdir -p "$BUILD_DIR" || { echo "error: cannot make the build folder $BUILD_DIR" >&2; exit 1; }
 BUILD_DIR="$(cd "$BUILD_DIR" && pwd -P)"
 LOGS="$BUILD_DIR/logs"
-PYTHON=/usr/bin/python3                   # the distribution's: OpenCV's bindings are built for this one
+# The Python that OpenCV's bindings are built for: that in PATH (venv, conda) if it has numpy and its headers, else the distribution's.
+PYTHON="$(python3 -c 'import numpy, os, sys, sysconfig
+if os.path.exists(os.path.join(sysconfig.get_paths()["include"], "Python.h")): print(sys.executable)' 2>/dev/null || true)"
+PYTHON="${PYTHON:-/usr/bin/python3}"
 JOBS="${JOBS:-$(nproc)}"
 
 if [[ -z "${SURGTRACK_DATA:-}" && -d "$REPO/../shared/data" ]]; then
@@ -24,11 +27,11 @@ CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO"
   -DBUILD_TESTS=ON -DOPENCV_BUILD_TEST_MODULES_LIST=surgtrack
   -DBUILD_opencv_python3=ON "-DPYTHON3_EXECUTABLE=$PYTHON")
 
-# What Debian 12 needs. nlohmann-json3 and urdfdom read robots' files; the last two let VTK render without a display; xvfb and
-# xauth test it with one.
+# What Debian 12 needs. nlohmann-json3 and urdfdom read robots' files; GTK shows windows; the last two let VTK render without a display;
+# xvfb and xauth test it with one.
 PACKAGES=(build-essential dpkg-dev cmake ninja-build ccache libvtk9-dev libeigen3-dev
   nlohmann-json3-dev liburdfdom-dev libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libjpeg-dev libpng-dev zlib1g-dev
-  python3-dev python3-numpy xvfb xauth libegl1 libgl1-mesa-dri)
+  libgtk-3-dev python3-dev python3-numpy xvfb xauth libegl1 libgl1-mesa-dri)
 
 step() { printf '\n== %s\n' "$*"; }
 die() { trap - ERR; echo "error: $*" >&2; exit 1; }
@@ -215,10 +218,12 @@ configure() {
     "${CONFIGURATION[@]}"
     -DBUILD_PERF_TESTS=ON -DOPENCV_BUILD_PERF_TEST_MODULES_LIST=surgtrack
     -DBUILD_opencv_python2=OFF -DBUILD_JAVA=OFF -DBUILD_DOCS=OFF -DBUILD_opencv_apps=OFF -DENABLE_PRECOMPILED_HEADERS=OFF -DWITH_FFMPEG=ON)
-  for off in ADE IPP ITT QUIRC OPENCL PROTOBUF CUDA 1394 GSTREAMER GTK QT LAPACK TIFF WEBP OPENJPEG JASPER OPENEXR GDAL \
-    VA VA_INTEL V4L EIGEN VTK; do
+  for off in ADE IPP ITT QUIRC OPENCL PROTOBUF CUDA 1394 GSTREAMER LAPACK TIFF WEBP OPENJPEG JASPER OPENEXR GDAL \
+    VA VA_INTEL EIGEN VTK; do
     options+=("-DWITH_$off=OFF")
   done
+  # Cameras and a window for `live`, where the system has them. Not Qt: OpenCV 4.6 does not compile with it unless OpenGL is on, too.
+  options+=(-DWITH_V4L=ON -DWITH_GTK=ON -DWITH_QT=OFF)
   # Without AVX2 OpenCV's own default: a program built for AVX2 does not start on an older processor.
   if has_avx2; then
     options+=(-DCPU_BASELINE=AVX2 -DCPU_DISPATCH=AVX512_SKX)

@@ -2,7 +2,7 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
-// Measures the tracker on sequences whose truth is known: the tables and figures of Ye et al. 2016, Sec. 3, and whether the filter is
+// Measures the tracker on sequences whose truth is known, or keypoints in them: the tables and figures of Ye et al. 2016, Sec. 3, and whether the filter is
 // as good as it says.
 
 #include "evaluation/baselines/baselines.hpp"
@@ -18,7 +18,7 @@ namespace {
 const char* const NAME = "evaluate";
 const char* const KEYS =
     "{ help h    |                 | print this }"
-    "{ sequences |                 | folders of sequences with groundtruth.csv, separated by commas; other folders are searched for such }"
+    "{ sequences |                 | folders of sequences with groundtruth.csv, or labels in keypoints.csv, separated by commas; other folders are searched for such }"
     "{ out       |                 | folder to write; is made if it does not exist. Sequences whose results are there already are not run again }"
     "{ methods   | full,paper,epnp | methods to evaluate, separated by commas: full, paper, epnp. Worst frames are those of the first }"
     "{ frames    | 0               | number of frames of each sequence, 0 = to the end of the video }"
@@ -150,6 +150,7 @@ Run track(const Data& data, const String& name, const Options& options, bool ste
 void evaluateSequence(const Options& options, const String& folder, const Data& data, Baselines& baselines, Result& result)
 {
     result.label = data.label;
+    result.width = data.sequence->leftCamera().imageSize().width;
     for (size_t i = 0; i < data.tools.size(); i++)
     {
         result.tools.push_back(data.tools[i].info.name);
@@ -161,6 +162,8 @@ void evaluateSequence(const Options& options, const String& folder, const Data& 
         if (options.methods[i] == "full" && options.stereo && data.sequence->isStereo())
             result.runs.push_back(track(data, "full-stereo", options, true));
     }
+    if (!data.hasPoses())
+        return;   // the rest compares with true poses
     if (!options.quiet)
         std::fprintf(stderr, "%s: detection of parts\n", data.label.c_str());
     DetectionRun detection(data);
@@ -183,6 +186,8 @@ void addPoses(const Options& options, const String& folder, Result& result)
             continue;
         if (!data.sequence)
             data.load(folder);
+        if (!data.hasPoses())
+            return;   // nothing to compare with
         const Run run = PosesFile::read(data, name, file, options.frames);
         result.runs.insert(result.runs.end() - 2, run);
     }
@@ -207,6 +212,8 @@ void writeAll(const Options& options, const Results& results, const std::vector<
     table << scoreTable(results);
     table.finish();
     writeDetections(utils::fs::join(out, "detection.csv"), results);
+    writeLabels(out, results);
+    writeMeasures(utils::fs::join(out, "measures.csv"), results);
     writeAxes(utils::fs::join(out, "rotation_axes.csv"), results);
     writeConsistency(utils::fs::join(out, "consistency.csv"), results);
     writeTimings(utils::fs::join(out, "timings.csv"), results);

@@ -9,7 +9,6 @@
 #include "opencv2/core/utils/filesystem.hpp"
 #include "opencv2/videoio.hpp"
 #include "support/common.hpp"
-#include "support/units.hpp"
 #include "support/video.hpp"
 
 using namespace cv;
@@ -226,19 +225,19 @@ private:
         const double start = text("start").empty() ? times[0] : common::number(parser_, "start", -1e300, 1e300);
         for (size_t i = 0; i < times.size(); i++)
             times[i] -= start;
-        putReadings(*model, times, joints);
+        putReadings(model, times, joints);
     }
 
     //! --into, --tool, --model and --hand-eye say where.
-    void putReadings(const ToolModel& model, const std::vector<double>& times, const Mat& joints) const
+    void putReadings(const Ptr<ToolModel>& model, const std::vector<double>& times, const Mat& joints) const
     {
         const String folder = needed("into", "DIR"), tool = needed("tool", "NAME"), filename = text("model");
-        const String fault = common::unitFault(model, joints);
+        const String fault = checkUnits(model, joints);
         if (!fault.empty())
             common::fail(in_[0] + ": " + fault);
-        writeSequenceJoints(folder, tool, model.coordinateNames(), times, joints);
+        writeSequenceJoints(folder, tool, model->coordinateNames(), times, joints);
         if (!text("hand-eye").empty())
-            writeSequenceTool(folder, tool, putModel(model, filename, folder), importHandEye(text("hand-eye")));
+            writeSequenceTool(folder, tool, putModel(*model, filename, folder), importHandEye(text("hand-eye")));
         say(folder + format("/kinematics.csv: %d readings of %s from %.3f to %.3f s", (int)times.size(), tool.c_str(), times[0], times.back()));
     }
 
@@ -255,7 +254,7 @@ private:
             times.push_back(frame / fps);
         if (text("jaw").empty())
             say("the recording has no jaw: it is taken to be closed, at 0 rad, see --jaw");
-        putReadings(*model, times, joints);
+        putReadings(model, times, joints);
     }
 
     //! The file of the folder whose name starts and ends so.

@@ -4,9 +4,9 @@
 
 // Tracks as it happens: images of a camera, or of a video played at its pace, joint readings by UDP; poses go out by UDP and to a file.
 
-#include <csignal>
 #include <limits>
 #include "live/images.hpp"
+#include "live/window.hpp"
 #include "support/run_output.hpp"
 #include "support/tools.hpp"
 
@@ -29,6 +29,7 @@ const char* const KEYS =
     "about -0.05 for one }"
     "{ send        |       | HOST:PORT to send poses to, JSON by UDP }"
     "{ poses       |       | CSV file to write the poses to }"
+    "{ show        |       | a window with the tools where they are found; Esc ends }"
     "{ frames      | 0     | stop after so many images, 0 = go on }"
     "{ quiet       |       | no progress }";
 
@@ -37,9 +38,6 @@ const double WAIT = 0.05;       // for the reading after an image [s]: some pack
 const double DRAW_UNTIL = 2. / 3;    // after an image [interval]; later, drawing for the next one would slow its tracking down
 const double SILENCE = 1;       // without an image that has readings, until it is said [s]
 
-volatile std::sig_atomic_t interrupted = 0;
-void interrupt(int) { interrupted = 1; }
-
 struct Options
 {
     String sequence, poses, send;
@@ -47,7 +45,7 @@ struct Options
     std::vector<std::string> cameras;    // empty: the video
     double fps, timeOffset;
     int frames;
-    bool stereo, quiet;
+    bool stereo, show, quiet;
 };
 
 std::vector<std::string> split(const std::string& text)
@@ -90,6 +88,7 @@ Options readOptions(const CommandLineParser& parser)
     options.fps = parser.has("fps") ? common::number(parser, "fps", 0.1, 1000) : 0;
     options.timeOffset = common::number(parser, "time-offset", -1e12, 1e12);
     options.frames = common::integer(parser, "frames", 0);
+    options.show = parser.has("show");
     options.quiet = parser.has("quiet");
     return options;
 }
@@ -106,6 +105,7 @@ struct Run
     Ptr<common::JointStream> joints;
     Ptr<PoseWriter> writer;
     Ptr<common::UdpSender> sender;
+    Ptr<common::LiveWindow> window;
     bool live;
     double timeOffset, interval;    // interval: between images [s]
     std::vector<ToolEstimate> estimates;             // of the last image
@@ -170,6 +170,8 @@ void prepare(const Options& options, Run& run)
         if (!options.ports[i].tool.empty() && std::find(names.begin(), names.end(), options.ports[i].tool) == names.end())
             fail("argument '--joints': tool '" + options.ports[i].tool + "' is none of the tools of sequence.yaml");
     run.images = makePtr<common::LiveImages>(sources, run.setup, options.stereo, run.live, fps);
+    if (options.show)
+        run.window = makePtr<common::LiveWindow>();   // better now than at the first image
     if (!options.send.empty())
         run.sender = makePtr<common::UdpSender>(options.send);
     if (!options.poses.empty())
@@ -182,8 +184,8 @@ void start(const Options& options, Run& run)
 {
     if (!options.quiet)
         std::fprintf(stderr, "waiting for joint readings\n");
-    const int missing = run.joints->waitForAll(PATIENCE, interrupted);
-    if (missing >= 0 && !interrupted)
+    const int missing = run.joints->waitForAll(PATIENCE, common::interrupted());
+    if (missing >= 0 && !common::interrupted())
     {
         const common::JointStream::Counts counts = run.joints->counts();
         const std::string complaint = run.joints->complaint();
@@ -272,7 +274,7 @@ void track(const Options& options, Run& run)
     double last = 0, spoken = common::now();
     while (!run.images->ended())
     {
-        if (interrupted)
+        if (common::interrupted())
             run.images->stop();
         if (!run.images->take(image))
             continue;
@@ -291,6 +293,8 @@ void track(const Options& options, Run& run)
             std::fprintf(stderr, "no joint readings at the time of the images for %g s\n", SILENCE);
             spoken = common::now();
         }
+        if (run.window && !run.window->show(image.left, run.setup->leftCamera(), run.tools, run.estimates))
+            run.images->stop();
         last = time;
         next = image.number + 1;
         progress.show(next);
@@ -325,8 +329,7 @@ void printSummary(const Run& run)
 
 int run(const CommandLineParser& parser)
 {
-    std::signal(SIGINT, interrupt);
-    std::signal(SIGTERM, interrupt);
+    common::catchInterrupts();
     const Options options = readOptions(parser);
     Run run;
     prepare(options, run);
@@ -349,6 +352,6 @@ int run(const CommandLineParser& parser)
 int main(int argc, char** argv)
 {
     const common::Program program = { "live", "Tracks the tools a camera sees now, by their CAD models and the joint readings a robot sends.",
-                                      KEYS, { "sequence", "joints", "camera", "fps", "time-offset", "send", "poses", "frames" }, { "stereo", "quiet" } };
+                                      KEYS, { "sequence", "joints", "camera", "fps", "time-offset", "send", "poses", "frames" }, { "stereo", "show", "quiet" } };
     return common::runProgram(argc, argv, program, run);
 }

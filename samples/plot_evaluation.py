@@ -24,7 +24,7 @@ class DataError(Exception):
     """A file that is not as expected; the text is the line the user gets."""
 
 
-def read(folder, name, columns, numbers):
+def read(folder, name, columns, numbers, empty=False):
     """Rows of a CSV file as dictionaries; cells of the columns in numbers as floats, NaN where there is nothing."""
     filename = os.path.join(folder, name)
     try:
@@ -37,7 +37,7 @@ def read(folder, name, columns, numbers):
             rows = list(reader)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise DataError("%s: %s" % (filename, getattr(error, "strerror", None) or error))
-    if not rows:
+    if not rows and not empty:
         raise DataError("%s: expected lines after the first" % filename)
     for line, row in enumerate(rows, 2):
         for column in columns:
@@ -61,7 +61,7 @@ class Evaluation:
             raise DataError("%s: there is no such folder" % folder)
         self.folder = folder
         scores = ["translation_mean_mm", "translation_std_mm", "rotation_mean_rad", "rotation_std_rad"]
-        table = read(folder, "table.csv", ["sequence", "tool", "method"] + scores, scores)
+        table = read(folder, "table.csv", ["sequence", "tool", "method", "frames"] + scores, scores)
         self.scores = [row for row in table if row["tool"] == "all"]
         rates = ["threshold_px", "top_n", "rate", "samples"]
         detection = read(folder, "detection.csv", ["sequence", "variant", "part"] + rates, rates)
@@ -73,9 +73,11 @@ class Evaluation:
         self.methods = unique(row["method"] for row in self.scores)
         errors = ["error_" + c for c in self.COMPONENTS] + ["sigma_" + c for c in self.COMPONENTS]
         numbers = ["time", "nees"] + errors
+        share = ["threshold_percent", "pck"]
+        self.pck = read(folder, "pck.csv", ["sequence", "method"] + share, share, empty=True)
         self.frames = {}
         for row in self.scores:
-            if row["sequence"] != "all" and row["method"] not in CONTROLS:
+            if row["sequence"] != "all" and row["method"] not in CONTROLS and row["frames"] != "0":     # 0: there are labels only
                 name = "frames_%s_%s.csv" % (row["sequence"], row["method"])
                 self.frames[row["sequence"], row["method"]] = read(folder, name, ["tool", "state"] + numbers, numbers)
 
@@ -242,6 +244,24 @@ def plotDetectionOfParts(pyplot, evaluation):
     save(pyplot, figure, evaluation.folder, "detection_parts.png")
 
 
+def plotPck(pyplot, evaluation):
+    sequences = unique(row["sequence"] for row in evaluation.pck)
+    if len(sequences) == 2:     # that of all is the one's
+        sequences = sequences[:1]
+    figure, axes = pyplot.subplots(1, len(sequences), figsize=(1 + 4 * len(sequences), 4), sharey=True, squeeze=False, constrained_layout=True)
+    for axis, sequence in zip(axes[0], sequences):
+        for method in unique(row["method"] for row in evaluation.pck):
+            rows = [row for row in evaluation.pck if row["sequence"] == sequence and row["method"] == method]
+            axis.plot([row["threshold_percent"] for row in rows], [100 * row["pck"] for row in rows], label=title(method), color=COLORS.get(method))
+        axis.set_title(sequence)
+        axis.set_xlabel("distance [% of the image width]")
+        axis.set_ylim(0, 102)
+        axis.grid(alpha=0.3)
+    axes[0][0].set_ylabel("keypoints within it [%]")
+    axes[0][-1].legend(loc="lower right")
+    save(pyplot, figure, evaluation.folder, "pck.png")
+
+
 def plotAxes(pyplot, evaluation):
     sequences = unique(row["sequence"] for row in evaluation.axes)
     columns = min(3, len(sequences))
@@ -348,11 +368,14 @@ def plot(evaluation):
     import matplotlib.pyplot as pyplot
 
     plotScores(pyplot, evaluation)
-    plotDetection(pyplot, evaluation)
-    plotDetectionOfParts(pyplot, evaluation)
-    if evaluation.classes:
-        plotClasses(pyplot, evaluation)
-    plotAxes(pyplot, evaluation)
+    if any(row["samples"] for row in evaluation.detection):     # where poses are known
+        plotDetection(pyplot, evaluation)
+        plotDetectionOfParts(pyplot, evaluation)
+        if evaluation.classes:
+            plotClasses(pyplot, evaluation)
+        plotAxes(pyplot, evaluation)
+    if evaluation.pck:
+        plotPck(pyplot, evaluation)
     for sequence in evaluation.sequences:
         if sequence != "all" and evaluation.withCovariance(sequence):
             plotErrors(pyplot, evaluation, sequence)

@@ -2,7 +2,7 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
-// Tracks the tools of a recorded sequence: video, joint readings and a rough hand-eye calibration in, tool poses out.
+// Tracks the tools of recorded sequences: video, joint readings and a rough hand-eye calibration in, tool poses out.
 
 #include "opencv2/videoio.hpp"
 #include "opencv2/surgtrack.hpp"
@@ -11,147 +11,39 @@
 #include "support/debug_pictures.hpp"
 #include "support/frame_reader.hpp"
 #include "support/run_output.hpp"
-#include "support/setup_check.hpp"
 #include "support/tools.hpp"
+#include "support/track_options.hpp"
+#include "support/track_run.hpp"
 
 using namespace cv;
 using namespace cv::surgtrack;
 using common::fail;
-using common::isKnown;
 using common::Tool;
+typedef common::TrackOptions Options;
+typedef common::TrackRun Run;
 
 namespace {
 
-const char* const KEYS =
-    "{ help h   |       | print this }"
-    "{ sequence |       | folder of the sequence; without it a synthetic one is made in ./surgtrack_demo and tracked }"
-    "{ poses    |       | CSV file to write the poses to }"
-    "{ video    |       | MP4 file to draw the result into: kinematics in red, estimate in green, matched parts as dots }"
-    "{ timings  |       | CSV file to write the time of each stage in each frame to [s] }"
-    "{ debug    |       | folder to write pictures of every stage to, see --debug-frames }"
-    "{ debug-frames |   | the frames to do so for: 3,17,40, or every:N from the first one on; default every:25 }"
-    "{ method   | full  | full: with joint offsets and outlines; paper: Ye et al. 2016; epnp: their baseline, EPnP on each frame alone }"
-    "{ stereo   |       | use the right image too; method full only }"
-    "{ start    | 0     | first frame }"
-    "{ frames   | 0     | number of frames, 0 = to the end of the video }"
-    "{ time-offset | 0  | the joints that belong to the image of time t were recorded at t + SECONDS; auto: found from the sequence }"
-    "{ render-ahead |   | draw the templates of the next frame in a second thread: faster, the poses differ a little }"
-    "{ check    |       | only look for mistakes of the setup: units, hand-eye calibration, clocks, eyes; exit code 1 if there are any }"
-    "{ quiet    |       | no progress }";
-
-struct Options
-{
-    String sequence, poses, video, timings, debug, debugFrames;
-    int method, start, frames;
-    double timeOffset;    // [s]
-    bool findTimeOffset, stereo, renderAhead, check, quiet;
-};
-
-void readTimeOffset(const String& text, Options& options)
-{
-    char* end = 0;
-    options.findTimeOffset = text == "auto";
-    options.timeOffset = options.findTimeOffset ? 0 : std::strtod(text.c_str(), &end);
-    if (!options.findTimeOffset && (end == text.c_str() || *end || !(std::abs(options.timeOffset) <= 1e12)))
-        fail("argument '--time-offset=" + text + "': expected a number of seconds or auto");
-}
-
-Options readOptions(const CommandLineParser& parser)
-{
-    Options options;
-    options.sequence = parser.get<String>("sequence");
-    options.poses = parser.get<String>("poses");
-    options.video = parser.get<String>("video");
-    options.timings = parser.get<String>("timings");
-    options.debug = parser.get<String>("debug");
-    options.debugFrames = parser.get<String>("debug-frames");
-    options.start = common::integer(parser, "start", 0);
-    options.frames = common::integer(parser, "frames", 0);
-    readTimeOffset(parser.get<String>("time-offset"), options);
-    options.renderAhead = parser.has("render-ahead");
-    options.check = parser.has("check");
-    options.quiet = parser.has("quiet");
-    const String method = parser.get<String>("method");
-    if (method != "full" && method != "paper" && method != "epnp")
-        fail("argument '--method=" + method + "': the methods available are full, paper and epnp");
-    options.method = method == "full" ? METHOD_FULL : method == "paper" ? METHOD_PAPER : METHOD_EPNP;
-    options.stereo = parser.has("stereo");
-    if (options.stereo && options.method != METHOD_FULL)
-        fail("argument '--stereo': method " + method + " uses one image, expected --method=full");
-    if (!options.debugFrames.empty() && options.debug.empty())
-        fail("argument '--debug-frames': expected --debug=DIR too");
-    if (!options.debug.empty() && options.renderAhead)
-        fail("argument '--debug': what is drawn ahead is not kept, expected no --render-ahead");
-    if (options.debugFrames.empty())
-        options.debugFrames = "every:25";
-    common::FrameChoice(options.debugFrames, options.start);   // an error in it comes before the work
-    return options;
-}
-
-struct Run
-{
-    Ptr<Sequence> sequence;
-    std::vector<Tool> tools;
-    Ptr<ToolTracker> tracker;
-    Ptr<PoseScorer> scorer;
-    Ptr<MeshRenderer> renderer;    // of the overlay
-    std::vector<std::vector<double> > timings;    // a stage, a frame [s]
-    int frames, skipped;    // skipped: of the frames, those without joint readings
-    double seconds, timeOffset;
-};
-
-void drawResult(Mat& image, const Run& run, const std::vector<std::vector<double> >& joints, const std::vector<ToolEstimate>& estimates)
-{
-    const CameraModel camera = run.sequence->leftCamera();
-    std::vector<DrawnTool> nominal, found;
-    for (size_t i = 0; i < run.tools.size(); i++)
-    {
-        const Tool& tool = run.tools[i];
-        nominal.push_back(DrawnTool(tool.model, joints[i], tool.info.nominal_T_base, Scalar(0, 0, 255), 0));
-        if (isKnown(estimates[i]))
-            found.push_back(DrawnTool(tool.model, estimates[i]));
-    }
-    drawTools(image, camera, found, run.renderer);
-    drawTools(image, camera, nominal, run.renderer);
-    for (size_t i = 0; i < run.tools.size(); i++)
-        drawEvidence(image, estimates[i], run.tools[i].info.name, (int)i);
-}
-
-std::vector<common::DebugTool> debugTools(const Run& run, const std::vector<ToolEstimate>& estimates)
-{
-    std::vector<common::DebugTool> result(run.tools.size());
-    for (size_t i = 0; i < run.tools.size(); i++)
-    {
-        common::DebugTool& debug = result[i];
-        debug.name = run.tools[i].info.name;
-        debug.model = run.tools[i].model;
-        debug.sight = run.tracker->sight((int)i);
-        debug.foundJoints = estimates[i].joints;
-        debug.found_camera_T_base = estimates[i].camera_T_nominal * run.tools[i].info.nominal_T_base;
-    }
-    return result;
-}
-
-//! Time of the joint readings that belong to a frame.
-double readingTime(const Run& run, int frame, int field = 0) { return run.sequence->frameTime(frame, field) + run.timeOffset; }
+//! Time of the joint readings of a tool that belong to a frame.
+double readingTime(const Run& run, int tool, int frame, int field = 0) { return run.sequence->frameTime(frame, field) + run.timeOffsets[tool]; }
 
 //! The joint readings of all tools at a frame. Returns the first tool whose records do not reach it, or -1.
 int readJoints(const Run& run, int frame, std::vector<std::vector<double> >& joints, int field = 0)
 {
     joints.resize(run.tools.size());
     for (int i = 0; i < (int)run.tools.size(); i++)
-        if (!run.sequence->jointsAt(i, readingTime(run, frame, field), joints[i], run.tools[i].model->coordinateNames()))
+        if (!run.sequence->jointsAt(i, readingTime(run, i, frame, field), joints[i], run.tools[i].model->coordinateNames()))
             return i;
     return -1;
 }
 
-void prepare(const Options& options, Run& run)
+//! @param folder empty: the built-in sequence
+void prepare(const Options& options, String folder, Run& run)
 {
     run.frames = run.skipped = 0;
     run.seconds = 0;
-    run.timeOffset = options.timeOffset;
+    run.interrupted = false;
     run.renderer = MeshRenderer::createSoftware();
-    String folder = options.sequence;
     if (folder.empty())
     {
         folder = "surgtrack_demo";
@@ -165,29 +57,47 @@ void prepare(const Options& options, Run& run)
     if (options.stereo && !run.sequence->isStereo())
         fail("argument '--stereo': sequence " + folder + " has one camera, expected 'right' and 'right_T_left' in its sequence.yaml");
 
-    ToolTracker::Params params;
-    params.method = options.method;
-    run.tracker = ToolTracker::create(run.sequence->leftCamera(), params);
+    run.tracker = ToolTracker::create(run.sequence->leftCamera(), options.params, options.stages);
     if (options.stereo)
         run.tracker->setRightCamera(run.sequence->rightCamera(), run.sequence->right_T_left());
     common::setMasks(*run.sequence, *run.tracker, options.stereo);
     run.tools = common::loadTools(*run.sequence);
+    run.timeOffsets.assign(run.tools.size(), options.timeOffset);
     for (size_t i = 0; i < run.tools.size(); i++)
         run.tracker->addTool(run.tools[i].model, run.tools[i].info.nominal_T_base);
     if (run.sequence->hasGroundTruth())
         run.scorer = PoseScorer::create(run.sequence->leftCamera(), common::modelsOf(run.tools));
 }
 
-void findTimeOffset(const Options& options, Run& run)
+//! Arms have clocks of their own: of each tool, or, where that can't be told, that of one where it can.
+void findTimeOffsets(const Options& options, Run& run)
 {
     if (!options.quiet)
-        std::fprintf(stderr, "looking for the time offset\n");
-    TimeOffset found;
-    if (!estimateTimeOffset(run.sequence, found))
-        fail("argument '--time-offset=auto': the time offset can't be told: " + found.reason + "; give it in seconds");
-    run.timeOffset = found.offset;
-    if (!options.quiet)
-        std::fprintf(stderr, "time offset %.4f s +- %.4f s, confidence %.2f\n", found.offset, found.deviation, found.confidence);
+        std::fprintf(stderr, "looking for the time offset%s\n", run.tools.size() > 1 ? " of each tool" : "");
+    const size_t unknown = run.tools.size();
+    size_t best = unknown;
+    std::vector<TimeOffset> found(run.tools.size());
+    std::vector<char> known(run.tools.size());
+    TimeOffsetParams params;
+    for (params.tool = 0; params.tool < (int)run.tools.size(); params.tool++)
+    {
+        TimeOffset& offset = found[params.tool];
+        known[params.tool] = estimateTimeOffset(run.sequence, offset, params);
+        if (known[params.tool] && (best == unknown || offset.support > found[best].support))
+            best = params.tool;
+        if (known[params.tool] && !options.quiet)
+            std::fprintf(stderr, "%s: time offset %.4f s +- %.4f s, confidence %.2f\n", run.tools[params.tool].info.name.c_str(), offset.offset,
+                         offset.deviation, offset.confidence);
+    }
+    if (best == unknown)
+        fail("argument '--time-offset=auto': the time offset can't be told: " + found[0].reason + "; give it in seconds");
+    for (size_t i = 0; i < run.tools.size(); i++)
+    {
+        run.timeOffsets[i] = found[known[i] ? i : best].offset;
+        if (!known[i])
+            std::fprintf(stderr, "warning: the time offset of tool '%s' can't be told (%s): that of '%s' is taken\n", run.tools[i].info.name.c_str(),
+                         found[i].reason.c_str(), run.tools[best].info.name.c_str());
+    }
 }
 
 //! A frame without joint readings, at an end of the records: the poses at the nearest reading, not to be relied on.
@@ -198,7 +108,7 @@ void skipFrame(Run& run, int frame, std::vector<std::vector<double> >& joints, s
     for (int i = 0; i < (int)run.tools.size(); i++)
     {
         const Tool& tool = run.tools[i];
-        const double time = std::min(std::max(readingTime(run, frame), run.sequence->firstTime(i)), run.sequence->lastTime(i));
+        const double time = std::min(std::max(readingTime(run, i, frame), run.sequence->firstTime(i)), run.sequence->lastTime(i));
         run.sequence->jointsAt(i, time, joints[i], tool.model->coordinateNames());
         estimates[i] = common::unmeasured(tool, joints[i], before ? STATE_INITIALIZING : STATE_LOST, estimates[i]);
     }
@@ -271,7 +181,7 @@ struct Outputs
         if (!options.video.empty())
             overlay = makePtr<common::Overlay>(options.video, run.sequence->fps(), camera.imageSize());
         if (!options.debug.empty())
-            debug = makePtr<common::DebugPictures>(options.debug, options.method);
+            debug = makePtr<common::DebugPictures>(options.debug, options.params.method);
     }
 
     Ptr<PoseWriter> poses;
@@ -285,22 +195,24 @@ struct Outputs
 void warnOfMissing(const Run& run, int tool, int frame)
 {
     std::fprintf(stderr, "warning: %s: no joint readings of tool '%s' at %.3f s (frame %d), they cover %.3f to %.3f s: such frames are not tracked\n",
-                 run.sequence->kinematicsFile().c_str(), run.tools[tool].info.name.c_str(), readingTime(run, frame), frame,
+                 run.sequence->kinematicsFile().c_str(), run.tools[tool].info.name.c_str(), readingTime(run, tool, frame), frame,
                  run.sequence->firstTime(tool), run.sequence->lastTime(tool));
 }
 
-//! At the end of the video.
+//! At the end of the video, or after Ctrl-C.
 void finish(const Run& run, Outputs& outputs)
 {
     if (outputs.overlay)
         outputs.overlay->finish();
-    if (outputs.debug && run.frames > run.skipped)
+    if (outputs.debug && run.frames > run.skipped && !run.interrupted)
         outputs.debugFrames.check();
+    if (run.interrupted)
+        return;
     if (run.frames == 0)
         fail(run.sequence->leftVideo() + ": has no frames");
     if (run.skipped == run.frames)
         fail(format("%s: no joint readings at the time of any frame with a time offset of %g s; those of tool '%s' cover %.3f to %.3f s",
-                    run.sequence->kinematicsFile().c_str(), run.timeOffset, run.tools[0].info.name.c_str(), run.sequence->firstTime(0),
+                    run.sequence->kinematicsFile().c_str(), run.timeOffsets[0], run.tools[0].info.name.c_str(), run.sequence->firstTime(0),
                     run.sequence->lastTime(0)));
 }
 
@@ -317,11 +229,12 @@ void track(const Options& options, Run& run)
     std::vector<ToolEstimate> estimates;
     for (int frame = options.start; options.frames == 0 || frame < options.start + options.frames; frame++)
     {
-        if (!reader.read(image, right))
+        run.interrupted = common::interrupted() != 0;
+        if (run.interrupted || !reader.read(image, right))
             break;
         note.look(image);
         const int missing = readJoints(run, frame, joints);
-        if (missing >= 0 && run.timeOffset == 0 && run.skipped == 0)
+        if (missing >= 0 && run.timeOffsets[missing] == 0 && run.skipped == 0)
             warnOfMissing(run, missing, frame);
         if (missing >= 0)
             skipFrame(run, frame, joints, estimates);
@@ -333,12 +246,12 @@ void track(const Options& options, Run& run)
             if (outputs.timings)
                 outputs.timings->write(frame, run.sequence->frameTime(frame), run.tracker->getTimings());
             if (outputs.debug && outputs.debugFrames.wants(frame))
-                outputs.debug->write(frame, image, debugTools(run, estimates));
+                outputs.debug->write(frame, image, common::debugTools(run, estimates));
         }
         record(run, frame, estimates, outputs.poses.get());
         if (outputs.overlay)
         {
-            drawResult(image, run, joints, estimates);
+            common::drawResult(image, run, joints, estimates);
             outputs.overlay->write(image);
         }
         if (missing < 0)
@@ -349,41 +262,13 @@ void track(const Options& options, Run& run)
     finish(run, outputs);
 }
 
-void printSummary(const Run& run)
-{
-    const Size size = run.sequence->leftCamera().imageSize();
-    std::printf("%s: %d frames of %dx%d\n", run.sequence->name().c_str(), run.frames, size.width, size.height);
-    for (size_t i = 0; i < run.tools.size(); i++)
-        std::printf("  %-8s tracked in %.1f %% of the frames\n", run.tools[i].info.name.c_str(), 100. * run.tools[i].tracked / run.frames);
-    if (run.timeOffset != 0 || run.skipped > 0)
-        std::printf("  time offset %.4f s, %d frames without joint readings\n", run.timeOffset, run.skipped);
-    std::printf("time a frame [ms]   median      95 %%\n");
-    const std::vector<StageTime> times = run.tracker->getTimings();
-    std::vector<std::vector<double> > timings = run.timings;
-    timings.resize(times.size());   // none if every frame was skipped
-    for (size_t i = 0; i < times.size(); i++)
-        std::printf("  %-14s %9.2f %9.2f\n", times[i].name.c_str(), 1e3 * common::percentile(timings[i], 0.5), 1e3 * common::percentile(timings[i], 0.95));
-    const double total = times.back().mean * times.back().calls;
-    std::printf("tracker %.1f Hz, whole run %.1f frames/s\n", total > 0 ? (run.frames - run.skipped) / total : 0, run.seconds > 0 ? run.frames / run.seconds : 0);
-    std::fflush(stdout);
-    if (!run.scorer)
-        return;
-    std::printf("error of the poses  covered     translation [mm]     rotation [rad]   accuracy     silent\n");
-    for (int i = 0; i <= (int)run.tools.size(); i++)
-    {
-        const bool all = i == (int)run.tools.size();
-        const PoseScore s = run.scorer->score(all ? -1 : i);
-        std::printf("  %-14s %8.1f %%    %6.2f +- %6.2f    %6.3f +- %5.3f   %6.1f %%   %6.1f %%\n", all ? "overall" : run.tools[i].info.name.c_str(),
-                    s.frames ? 100. * s.covered / s.frames : 0, 1e3 * s.translationMean, 1e3 * s.translationStd, s.rotationMean, s.rotationStd,
-                    100 * s.accuracy, 100 * s.silent);
-    }
-    std::fflush(stdout);
-}
-
 //! @return number of findings
 int printFindings(const Options& options, const Run& run)
 {
-    const std::vector<std::string> findings = common::SetupCheck(*run.sequence, run.tools).run(options.stereo);
+    std::vector<String> findings, figures;
+    checkSetup(run.sequence, findings, figures, options.stereo);
+    for (size_t i = 0; i < figures.size() && options.check; i++)
+        std::printf("%s\n", figures[i].c_str());
     for (size_t i = 0; i < findings.size(); i++)
         std::fprintf(stderr, "check: %s\n", findings[i].c_str());
     return (int)findings.size();
@@ -401,25 +286,29 @@ int verdict(const Options& options, const Run& run)
     return 2;
 }
 
-int run(const CommandLineParser& parser)
+//! @return the exit code
+int checkOnly(const Options& options, const Run& run)
+{
+    const int findings = printFindings(options, run);
+    std::printf("%s: %d findings\n", run.sequence->name().c_str(), findings);
+    return findings > 0;
+}
+
+//! @return the exit code
+int runSequence(const Options& options, const String& folder)
 {
     Run run;
-    const Options options = readOptions(parser);
-    prepare(options, run);
+    prepare(options, folder, run);
     if (options.check)
-    {
-        const int findings = printFindings(options, run);
-        std::printf("%s: %d findings\n", run.sequence->name().c_str(), findings);
-        return findings > 0;
-    }
+        return checkOnly(options, run);
     if (options.stereo)
     {
-        const std::string eyes = common::SetupCheck::eyesFault(*run.sequence);
+        const String eyes = checkEyes(run.sequence);
         if (!eyes.empty())
             std::fprintf(stderr, "warning: %s\n", eyes.c_str());
     }
     if (options.findTimeOffset)
-        findTimeOffset(options, run);
+        findTimeOffsets(options, run);
     try
     {
         track(options, run);
@@ -427,19 +316,72 @@ int run(const CommandLineParser& parser)
     catch (const Exception&)   // what was tracked until then is written and summed up all the same
     {
         if (run.frames > 0)
-            printSummary(run);
+            common::printSummary(run, options.quiet);
         throw;
     }
-    printSummary(run);
+    if (run.frames > 0)
+        common::printSummary(run, options.quiet);
+    if (run.interrupted)
+    {
+        std::fprintf(stderr, "interrupted: all is of the first %d frames\n", run.frames);
+        return 130;   // as of a program that the signal ended
+    }
+    if (options.keepsNothing() && !options.quiet)
+        std::printf("nothing was kept: --poses=FILE.csv and --video=FILE.mp4 write the result\n");
     return verdict(options, run);
+}
+
+//! Of one of several sequences: each writes files of its own.
+Options optionsOf(const Options& all, const String& label)
+{
+    Options options = all;
+    String* const files[] = { &options.poses, &options.video, &options.timings, &options.debug };
+    for (int i = 0; i < 4; i++)
+    {
+        const size_t slash = files[i]->find_last_of("/\\"), dot = files[i]->rfind('.');
+        const bool ending = dot != String::npos && (slash == String::npos || dot > slash);
+        if (!files[i]->empty())
+            files[i]->insert(ending ? dot : files[i]->size(), "_" + label);
+    }
+    return options;
+}
+
+int run(const CommandLineParser& parser)
+{
+    const Options options = common::readTrackOptions(parser);
+    const String written = parser.get<String>("write-config");
+    if (!written.empty())
+    {
+        writeTrackerParams(written, options.params, options.stages);
+        return 0;
+    }
+    common::catchInterrupts();
+    if (options.sequences.size() <= 1)
+        return runSequence(options, options.sequences.empty() ? String() : options.sequences[0]);
+    int worst = 0;
+    std::map<String, int> labels;
+    for (size_t i = 0; i < options.sequences.size() && !common::interrupted(); i++)   // one that fails is told of, and the next one's turn comes
+    {
+        String label = common::baseName(common::absolutePath(options.sequences[i]));
+        if (labels[label]++ > 0)
+            label += format("-%d", labels[label]);
+        int code = 1;
+        try
+        {
+            code = runSequence(optionsOf(options, label), options.sequences[i]);
+        }
+        catch (...)
+        {
+            common::reportError("track_sequence");
+        }
+        worst = std::max(worst, code);
+    }
+    return worst;
 }
 
 } // namespace
 
 int main(int argc, char** argv)
 {
-    const common::Program program = { "track_sequence", "Tracks the tools of a recorded sequence by their CAD models and joint readings.",
-                                      KEYS, { "sequence", "poses", "video", "method", "start", "frames", "time-offset", "timings", "debug", "debug-frames" },
-                                      { "stereo", "render-ahead", "check", "quiet" } };
-    return common::runProgram(argc, argv, program, run);
+    return common::runProgram(argc, argv, common::trackProgram(), run);
 }

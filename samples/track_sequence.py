@@ -2,11 +2,13 @@
 # This file is part of OpenCV project.
 # It is subject to the license terms in the LICENSE file found in the top-level directory
 # of this distribution and at http://opencv.org/license.html.
-"""Tracks the tools of a recorded sequence: video, joint readings and a rough hand-eye calibration in, tool poses out."""
+"""Tracks the tools of a recorded sequence: video, joint readings and a rough hand-eye calibration in, tool poses out.
+
+Exit code 2: nothing was tracked."""
 
 import argparse
-import concurrent.futures
 import os
+import signal
 import sys
 import time
 
@@ -15,12 +17,9 @@ os.environ.setdefault('OPENCV_LOG_LEVEL', 'SILENT')
 import numpy as np
 import cv2 as cv
 from cv2 import surgtrack as st
+from track_support import EyesReader, Failure, Overlay, Progress
 
 METHODS = {'full': st.METHOD_FULL, 'paper': st.METHOD_PAPER, 'epnp': st.METHOD_EPNP}
-
-
-class Failure(Exception):
-    """The line the user gets."""
 
 
 class ArgumentParser(argparse.ArgumentParser):
@@ -51,140 +50,38 @@ def parse_arguments():
     parser.add_argument('--sequence', help='folder of the sequence; without it a synthetic one is made in ./surgtrack_demo and tracked')
     parser.add_argument('--poses', help='CSV file to write the poses to')
     parser.add_argument('--video', help='MP4 file to draw the result into: kinematics in red, estimate in green, matched parts as dots')
-    parser.add_argument('--method', default='full',
-                        help='full: with joint offsets and outlines; paper: Ye et al. 2016; epnp: their baseline, EPnP on each frame alone')
+    parser.add_argument('--method',
+                        help='full (default): with joint offsets and outlines; paper: Ye et al. 2016; epnp: their baseline, EPnP on each frame alone')
     parser.add_argument('--stereo', action='store_true', help='use the right image too; method full only')
     parser.add_argument('--start', type=count, default=0, help='first frame')
     parser.add_argument('--frames', type=count, default=0, help='number of frames, 0 = to the end of the video')
     parser.add_argument('--time-offset', type=time_offset, default=0., metavar='SECONDS',
-                        help='the joints that belong to the image of time t were recorded at t + SECONDS; auto: found from the sequence')
+                        help='the joints that belong to the image of time t were recorded at t + SECONDS; auto: found from the sequence, of each tool')
     parser.add_argument('--render-ahead', action='store_true',
                         help='draw the templates of the next frame in a second thread: faster, the poses differ a little')
-    parser.add_argument('--quiet', action='store_true', help='no progress')
+    parser.add_argument('--config', help='file with parameters of the tracker, as track_sequence --write-config writes it')
+    parser.add_argument('--set', action='append', default=[], metavar='NAME=VALUE', help='a parameter, as matcher.minSimilarity=0.5; comes after --config')
+    parser.add_argument('--check', action='store_true',
+                        help='only look for mistakes of the setup: units, calibrations, clocks, arms, instruments; exit code 1 if there are any')
+    parser.add_argument('--quiet', action='store_true', help='print how often each tool was tracked, warnings and errors, and nothing else')
+    parser.add_argument('--version', action='version', version='track_sequence.py, cv::surgtrack on OpenCV ' + cv.__version__)
     args = parser.parse_args()
-    if args.method not in METHODS:
+    args.params, args.stages = st.ToolTracker.Params(), st.ToolTracker.Stages()
+    if args.config:
+        args.params, args.stages = st.readTrackerParams(args.config, args.params, args.stages)
+    for setting in args.set:
+        name, equals, value = setting.partition('=')
+        if not equals:
+            raise Failure("argument '--set': expected NAME=VALUE, found '%s'" % setting)
+        args.params, args.stages = st.setTrackerParam(name, value, args.params, args.stages)
+    if args.method is not None and args.method not in METHODS:
         raise Failure("argument '--method=%s': the methods available are full, paper and epnp" % args.method)
-    if args.stereo and args.method != 'full':
-        raise Failure("argument '--stereo': method %s uses one image, expected --method=full" % args.method)
+    if args.method is not None:
+        args.params.method = METHODS[args.method]
+    if args.stereo and args.params.method != st.METHOD_FULL:
+        method = [name for name, value in METHODS.items() if value == args.params.method][0]
+        raise Failure("argument '--stereo': method %s uses one image, expected --method=full" % method)
     return args
-
-
-class FrameReader:
-    """A video whose frames all have the size the sequence says; decoded in a thread of its own, one frame ahead. See EyesReader."""
-
-    def __init__(self, sequence, start, right=False):
-        self.filename = sequence.rightVideo() if right else sequence.leftVideo()
-        self.size, self.layout = sequence.frameSize(), sequence.layout()
-        self.capture = cv.VideoCapture(self.filename)
-        self.capture.set(cv.CAP_PROP_ORIENTATION_AUTO, 0)       # frames as the camera was calibrated with, not turned
-        if not self.capture.isOpened():
-            raise Failure('%s: can\'t be read as a video' % self.filename)
-        self.count = int(self.capture.get(cv.CAP_PROP_FRAME_COUNT))
-        self.next = 0
-        while self.next < start and self.capture.grab():  # seeking is not exact in every container
-            self.next += 1
-        if self.next < start:
-            raise Failure('%s: has %d frames, none at --start=%d' % (self.filename, self.next, start))
-        self.thread = concurrent.futures.ThreadPoolExecutor(1)
-        self.decoded = self.thread.submit(self.capture.read)
-
-    def read(self):
-        found, image = self.decoded.result()
-        if not found:
-            return None
-        self.decoded = self.thread.submit(self.capture.read)
-        if (image.shape[1], image.shape[0]) != tuple(self.size):
-            raise Failure('%s: frame %d has %dx%d pixels, expected %dx%d as in sequence.yaml%s'
-                          % ((self.filename, self.next, image.shape[1], image.shape[0]) + tuple(self.size)
-                             + (' by image_width, image_height and layout' if self.layout else '',)))
-        self.next += 1
-        return image
-
-    def check_end(self, sequence):
-        if self.next < sequence.groundTruthEnd():
-            raise Failure('%s: ends after %d frames, expected %d as in the ground truth' % (self.filename, self.next, sequence.groundTruthEnd()))
-        if self.next + 2 < self.count:      # some containers count what was cut off
-            sys.stderr.write('note: %s: has %d frames, its header counts %d\n' % (self.filename, self.next, self.count))
-
-
-class EyesReader:
-    """The images of one eye, or of both."""
-
-    def __init__(self, sequence, start, stereo):
-        self.sequence, self.frames = sequence, []
-        self.together = stereo and sequence.layout() != st.LAYOUT_SEPARATE     # in one file
-        self.readers = [FrameReader(sequence, start, right) for right in ([False, True] if stereo and not self.together else [False])]
-        self.count = self.readers[0].count
-        self.combed = 0
-
-    def read(self):
-        """Whether there is a next frame; an error if one of the videos should have gone on."""
-        frames = [reader.read() for reader in self.readers]
-        ended = [reader for reader, frame in zip(self.readers, frames) if frame is None]
-        for reader in ended:
-            reader.check_end(self.sequence)
-        if len(ended) == 1 < len(frames):
-            other = self.readers[1 - self.readers.index(ended[0])]
-            raise Failure('%s: ends after %d frames, expected more, as in %s' % (ended[0].filename, ended[0].next, other.filename))
-        self.frames = frames * 2 if self.together else frames
-        return not ended
-
-    def images(self, field=0):
-        """Of the frame read last, of its first or second field."""
-        return [self.sequence.eyeImage(frame, eye=eye, field=field) for eye, frame in enumerate(self.frames)]
-
-    def note_fields(self, image):
-        """Says so, once, if images are interlaced and the description does not tell."""
-        sure = 3    # images
-        if self.sequence.imagesPerFrame() > 1 or self.combed >= sure or not st.isInterlaced(image):
-            return
-        self.combed += 1
-        if self.combed == sure:
-            sys.stderr.write('note: %s: is interlaced, only one field of each frame is used: write fields: top_first (or bottom_first, as DV has) '
-                             'into sequence.yaml for both\n' % self.sequence.leftVideo())
-
-
-class Overlay:
-    """The overlay video."""
-
-    def __init__(self, filename, fps, size):
-        self.filename, self.frames = filename, 0
-        for code in ('avc1', 'mp4v'):
-            self.writer = cv.VideoWriter(filename, cv.VideoWriter_fourcc(*code), fps, size)
-            if self.writer.isOpened():
-                return
-        raise Failure('%s: can\'t be written as a video, expected a file in a folder that exists, such as overlay.mp4' % filename)
-
-    def write(self, image):
-        self.writer.write(image)
-        self.frames += 1
-
-    def finish(self):
-        self.writer.release()
-        if self.frames and cv.VideoCapture(self.filename).get(cv.CAP_PROP_FRAME_COUNT) < self.frames:
-            raise Failure('%s: not all of its %d frames were written, is the disk full?' % (self.filename, self.frames))
-
-
-class Progress:
-    """A line on stderr that is written over itself, if stderr is a terminal."""
-
-    def __init__(self, total, quiet):
-        self.total, self.enabled = total, not quiet and sys.stderr.isatty()
-        self.start = self.last = time.time()
-
-    def show(self, done):
-        now = time.time()
-        if not self.enabled or (now - self.last < 0.2 and done != self.total):
-            return
-        self.last = now
-        rate = done / max(now - self.start, 1e-9)
-        eta = int(max(0, self.total - done) / rate)
-        sys.stderr.write('\rframe %d of %d   %.1f frames/s   ETA %d:%02d   ' % (done, self.total, rate, eta // 60, eta % 60))
-        sys.stderr.flush()
-
-    def clear(self):
-        if self.enabled:
-            sys.stderr.write('\r%60s\r' % '')
 
 
 class Tool:
@@ -205,9 +102,7 @@ class Run:
         self.sequence = st.Sequence.load(folder)
         if args.stereo and not self.sequence.isStereo():
             raise Failure("argument '--stereo': sequence %s has one camera, expected 'right' and 'right_T_left' in its sequence.yaml" % folder)
-        params = st.ToolTracker.Params()
-        params.method = METHODS[args.method]
-        self.tracker = st.ToolTracker.create(self.sequence.leftCamera(), params)
+        self.tracker = st.ToolTracker.create(self.sequence.leftCamera(), args.params, args.stages)
         if args.stereo:
             self.tracker.setRightCamera(self.sequence.rightCamera(), self.sequence.right_T_left())
         for eye in range(2 if args.stereo else 1):
@@ -226,35 +121,55 @@ class Run:
         if self.sequence.hasGroundTruth():
             self.scorer = st.PoseScorer.create(self.sequence.leftCamera(), [tool.model for tool in self.tools])
         self.timings, self.frames, self.skipped, self.seconds = [], 0, 0, 0.   # skipped: of the frames, those without joint readings
-        self.time_offset = self.find_time_offset(args.quiet) if args.time_offset is None else args.time_offset
+        self.time_offsets = [args.time_offset or 0.] * len(self.tools)      # beside those of the sequence
+        self.interrupted = False
 
-    def find_time_offset(self, quiet):
+    def find_time_offsets(self, quiet):
+        """Arms have clocks of their own: of each tool, or, where that can't be told, that of one where it can."""
         if not quiet:
-            sys.stderr.write('looking for the time offset\n')
-        known, found = st.estimateTimeOffset(self.sequence)
-        if not known:
-            raise Failure("argument '--time-offset=auto': the time offset can't be told: %s; give it in seconds" % found.reason)
-        if not quiet:
-            sys.stderr.write('time offset %.4f s +- %.4f s, confidence %.2f\n' % (found.offset, found.deviation, found.confidence))
-        return found.offset
+            sys.stderr.write('looking for the time offset%s\n' % (' of each tool' if len(self.tools) > 1 else ''))
+        params, answers = st.TimeOffsetParams(), []
+        for params.tool, tool in enumerate(self.tools):
+            known, found = st.estimateTimeOffset(self.sequence, params)
+            answers.append((known, found))
+            if known and not quiet:
+                sys.stderr.write('%s: time offset %.4f s +- %.4f s, confidence %.2f\n' % (tool.info.name, found.offset, found.deviation, found.confidence))
+        best = max(range(len(answers)), key=lambda i: (answers[i][0], answers[i][1].support))
+        if not answers[best][0]:
+            raise Failure("argument '--time-offset=auto': the time offset can't be told: %s; give it in seconds" % answers[0][1].reason)
+        for i, (known, found) in enumerate(answers):
+            self.time_offsets[i] = (found if known else answers[best][1]).offset
+            if not known:
+                sys.stderr.write("warning: the time offset of tool '%s' can't be told (%s): that of '%s' is taken\n"
+                                 % (self.tools[i].info.name, found.reason, self.tools[best].info.name))
 
-    def reading_time(self, frame, field=0):
-        """Time of the joint readings that belong to a frame."""
-        return self.sequence.frameTime(frame, field) + self.time_offset
+    def check(self, stereo, quiet):
+        """The findings, printed."""
+        findings, figures = st.checkSetup(self.sequence, stereo)
+        for line in () if quiet else figures:
+            print(line)
+        for line in findings:
+            sys.stderr.write('check: %s\n' % line)
+        return findings
+
+    def reading_time(self, tool, frame, field=0):
+        """Time of the joint readings of a tool that belong to a frame."""
+        return self.sequence.frameTime(frame, field) + self.time_offsets[tool]
 
     def render_ahead(self, frame, field):
         """What comes after this image; unless the records end before."""
         frame, field = (frame, field + 1) if field + 1 < self.sequence.imagesPerFrame() else (frame + 1, 0)
-        readings = [self.sequence.jointsAt(i, self.reading_time(frame, field), tool.model.coordinateNames()) for i, tool in enumerate(self.tools)]
+        readings = [self.sequence.jointsAt(i, self.reading_time(i, frame, field), tool.model.coordinateNames()) for i, tool in enumerate(self.tools)]
         if all(found for found, _ in readings):
             self.tracker.renderAhead([joints for _, joints in readings])
 
     def joints(self, frame):
         """None if there are none."""
-        result, seconds = [], self.reading_time(frame)
+        result = []
         for i, tool in enumerate(self.tools):
+            seconds = self.reading_time(i, frame)
             found, joints = self.sequence.jointsAt(i, seconds, tool.model.coordinateNames())
-            if not found and self.time_offset == 0 and self.skipped == 0:
+            if not found and self.time_offsets[i] == 0 and self.skipped == 0:
                 sys.stderr.write("warning: %s: no joint readings of tool '%s' at %.3f s (frame %d), they cover %.3f to %.3f s: such frames are not tracked\n"
                                  % (self.sequence.kinematicsFile(), tool.info.name, seconds, frame, self.sequence.firstTime(i), self.sequence.lastTime(i)))
             if not found:
@@ -264,7 +179,7 @@ class Run:
 
     def track_second(self, frame, images, ahead):
         """The second field of a frame; its poses are those of the first."""
-        readings = [self.sequence.jointsAt(i, self.reading_time(frame, 1), tool.model.coordinateNames()) for i, tool in enumerate(self.tools)]
+        readings = [self.sequence.jointsAt(i, self.reading_time(i, frame, 1), tool.model.coordinateNames()) for i, tool in enumerate(self.tools)]
         if all(found for found, _ in readings):
             if ahead:
                 self.render_ahead(frame, 1)
@@ -283,7 +198,7 @@ class Run:
         """A frame without joint readings, at an end of the records: the poses at the nearest reading, not to be relied on."""
         readings, estimates = [], []
         for i, tool in enumerate(self.tools):
-            seconds = min(max(self.reading_time(frame), self.sequence.firstTime(i)), self.sequence.lastTime(i))
+            seconds = min(max(self.reading_time(i, frame), self.sequence.firstTime(i)), self.sequence.lastTime(i))
             joints = self.sequence.jointsAt(i, seconds, tool.model.coordinateNames())[1]
             estimate = st.ToolEstimate()
             estimate.state = st.STATE_INITIALIZING if self.frames == self.skipped else st.STATE_LOST
@@ -321,13 +236,19 @@ class Run:
         for i, (tool, e) in enumerate(zip(self.tools, estimates)):
             st.drawEvidence(image, e, tool.info.name, i)
 
-    def print_summary(self):
+    def print_summary(self, quiet):
         size = self.sequence.leftCamera().imageSize()
         print('%s: %d frames of %dx%d' % (self.sequence.name(), self.frames, size[0], size[1]))
         for tool in self.tools:
             print('  %-8s tracked in %.1f %% of the frames' % (tool.info.name, 100. * tool.tracked / self.frames))
-        if self.time_offset != 0 or self.skipped > 0:
-            print('  time offset %.4f s, %d frames without joint readings' % (self.time_offset, self.skipped))
+        if quiet:
+            return
+        for tool, offset in zip(self.tools, self.time_offsets):
+            if offset != 0:
+                print('  %-8s time offset %.4f s; time_offset: %.4f of this tool in sequence.yaml keeps it'
+                      % (tool.info.name, offset, tool.info.timeOffset + offset))
+        if self.skipped > 0:
+            print('  %d frames without joint readings' % self.skipped)
         print('time a frame [ms]   median      95 %')
         tracked = len(self.timings)
         timings = np.sort(np.array(self.timings or [[0.] * len(self.tracker.getTimings())]), axis=0)
@@ -352,8 +273,14 @@ def track(args, run):
     remaining = max(0, reader.count - args.start)
     progress = Progress(min(args.frames, remaining) if args.frames else remaining, args.quiet)
     begin, frame, estimates = time.time(), args.start, None
+
+    def interrupt(number, _):
+        run.interrupted = True      # after this frame; the second Ctrl-C ends the program
+        signal.signal(number, signal.SIG_DFL)
+    signal.signal(signal.SIGINT, interrupt)
+    signal.signal(signal.SIGTERM, interrupt)
     try:
-        while args.frames == 0 or frame < args.start + args.frames:
+        while not run.interrupted and (args.frames == 0 or frame < args.start + args.frames):
             if not reader.read():
                 break
             images = reader.images()
@@ -379,30 +306,58 @@ def track(args, run):
         progress.clear()
         if overlay is not None:
             overlay.finish()
+    if run.interrupted:
+        return
     if run.frames == 0:
         raise Failure('%s: has no frames' % run.sequence.leftVideo())
     if run.skipped == run.frames:
         raise Failure("%s: no joint readings at the time of any frame with a time offset of %g s; those of tool '%s' cover %.3f to %.3f s"
-                      % (run.sequence.kinematicsFile(), run.time_offset, run.tools[0].info.name, run.sequence.firstTime(0), run.sequence.lastTime(0)))
+                      % (run.sequence.kinematicsFile(), run.time_offsets[0], run.tools[0].info.name, run.sequence.firstTime(0), run.sequence.lastTime(0)))
+
+
+def verdict(args, run):
+    """The exit code."""
+    if run.interrupted:
+        sys.stderr.write('interrupted: all is of the first %d frames\n' % run.frames)
+        return 130
+    if not (args.poses or args.video or args.quiet):
+        print('nothing was kept: --poses FILE.csv and --video FILE.mp4 write the result')
+    if any(tool.tracked for tool in run.tools):
+        return 0
+    if not run.check(args.stereo, True):
+        sys.stderr.write('check: nothing was tracked, though units and calibration are plausible: is it this instrument (model), this arm (name), '
+                         'this time (time_offset), and does the hand-eye calibration put it within some centimetres?\n')
+    return 2
 
 
 def main():
     try:
         args = parse_arguments()
         run = Run(args)
+        if args.check:
+            findings = run.check(args.stereo, False)
+            print('%s: %d findings' % (run.sequence.name(), len(findings)))
+            return 1 if findings else 0
+        eyes = st.checkEyes(run.sequence) if args.stereo else ''
+        if eyes:
+            sys.stderr.write('warning: %s\n' % eyes)
+        if args.time_offset is None:
+            run.find_time_offsets(args.quiet)
         try:
             track(args, run)
         finally:
             if run.frames > 0:  # what was tracked until an error is written and summed up all the same
-                run.print_summary()
+                run.print_summary(args.quiet)
                 sys.stdout.flush()
-        return 0
+        return verdict(args, run)
     except Failure as e:
         message = str(e)
     except cv.error as e:
         message = e.err
     except OSError as e:
         message = str(e)
+    except KeyboardInterrupt:
+        return 130
     sys.stderr.write('track_sequence.py: %s\n' % message.replace('\n', ' '))
     return 1
 

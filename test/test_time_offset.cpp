@@ -193,6 +193,33 @@ protected:
     String folder;
 };
 
+// Arms whose clocks differ, each found alone.
+TEST_F(SurgTrack_TimeOffsetScene, isFoundOfEachArm)
+{
+    SyntheticScene::Params params;
+    params.frames = 160;
+    params.tools = 2;
+    SyntheticScene::create(needleDriver(), params)->write(folder);
+    const double offsets[] = { 0.2, -0.36 };
+    std::istringstream in(textOf(folder + "/kinematics.csv"));
+    std::ostringstream out;
+    std::string line;
+    std::getline(in, line);
+    out << line << "\n";
+    while (std::getline(in, line))
+        out << cv::format("%.4f", std::atof(line.c_str()) + offsets[line.find("PSM2") != String::npos]) << line.substr(line.find(',')) << "\n";
+    std::ofstream((folder + "/kinematics.csv").c_str()) << out.str();
+    const Ptr<Sequence> sequence = Sequence::load(folder);
+    TimeOffsetParams options = fewFrames();
+    options.range = 1;
+    for (options.tool = 0; options.tool < 2; options.tool++)
+    {
+        TimeOffset found;
+        EXPECT_TRUE(estimateTimeOffset(sequence, found, options)) << found.reason;
+        EXPECT_NEAR(offsets[options.tool], found.offset, tolerance);
+    }
+}
+
 TEST_F(SurgTrack_TimeOffsetScene, isNotToldFromAToolThatStandsStill)
 {
     SyntheticScene::Params params;
@@ -245,7 +272,7 @@ TEST_F(SurgTrack_TimeOffset, refusesBadArguments)
     EXPECT_THROW(estimateTimeOffset(Ptr<Sequence>(), found), cv::Exception);
     const Ptr<Sequence> sequence = Sequence::load(*folder);
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    std::vector<TimeOffsetParams> bad(10);
+    std::vector<TimeOffsetParams> bad(12);
     bad[0].expected = nan;
     bad[1].range = -1;
     bad[2].range = nan;
@@ -256,6 +283,8 @@ TEST_F(SurgTrack_TimeOffset, refusesBadArguments)
     bad[7].minConfidence = 1.5;
     bad[8].maxDeviation = 0;
     bad[9].maxDeviation = nan;
+    bad[10].tool = -2;
+    bad[11].tool = 1;
     for (size_t i = 0; i < bad.size(); i++) EXPECT_THROW(estimateTimeOffset(sequence, found, bad[i]), cv::Exception) << i;
 }
 

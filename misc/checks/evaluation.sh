@@ -133,6 +133,32 @@ out.writerows([row[name] for name in names] for row in rows)' "$work/look/ground
 # evaluation_same A B: two evaluations, byte for byte, but for what depends on the speed of the machine.
 evaluation_same() { diff -r -x results -x models -x timings.csv "$1" "$2"; }
 
+# labels_sound LABELS TRUTH: keypoint errors do not depend on whether poses are known; and the measures where they are.
+labels_sound() {
+  "$PYTHON" - "$1" "$2" <<'PYTHON'
+import csv, os, sys
+def read(folder, name):
+    return list(csv.DictReader(open(os.path.join(folder, name), newline="")))
+alone, known = (read(folder, "labels.csv") for folder in sys.argv[1:3])
+rows = [row for row in alone if row["sequence"] != "all"]
+assert {(r["tool"], r["method"]) for r in rows} == {(t, m) for t in ("PSM1", "PSM2", "all") for m in ("full", "paper", "epnp")}, rows
+for row in rows:
+    same = [r for r in known if (r["tool"], r["method"], r["labels"]) == (row["tool"], row["method"], row["labels"])]
+    assert any(r["mean_px"] == row["mean_px"] for r in same), (row, same)
+    # The picture is 720 px wide; six digits in the file.
+    assert abs(float(row["mean_px"]) / 7.2 - float(row["mean_percent"])) < 1e-4 * float(row["mean_percent"]), row
+full = [r for r in rows if r["method"] == "full" and r["tool"] == "all"][0]
+assert float(full["mean_px"]) < 5 and float(full["coverage"]) > 0.9, full   # clean pictures: a pixel or two
+curves = {}
+for r in read(sys.argv[1], "pck.csv"):
+    curves.setdefault((r["sequence"], r["method"]), []).append(float(r["pck"]))
+assert all(c == sorted(c) and 0 <= c[0] and c[-1] <= 1 for c in curves.values())
+assert not read(sys.argv[1], "measures.csv")
+measures = {(r["sequence"], r["method"]): r for r in read(sys.argv[2], "measures.csv")}
+assert float(measures["all", "full"]["pose_5mm_5deg"]) > 0.9 and float(measures["all", "full"]["add_10_percent"]) > 0.9, measures
+PYTHON
+}
+
 # pictures_there DIR: all that report.md shows.
 pictures_there() {
   local name
@@ -163,6 +189,13 @@ run_evaluation() {
   fi
   cp -r "$work/pair" "$work/untrue"
   rm "$work/untrue/groundtruth.csv"
+  sample "evaluate, labels only" limited "$evaluate" --sequences="$work/untrue" --out="$work/labels" --quiet
+  sample "their errors" labels_sound "$work/labels" "$work/evaluation"
+  if "$PYTHON" -c 'import matplotlib' 2>/dev/null; then
+    sample "plot_evaluation.py, labels only" limited "${plot[@]}" "$work/labels"
+    sample "the curves" test -s "$work/labels/pck.png"
+  fi
+  rm "$work/untrue/keypoints.csv"
   sample "refused: no ground truth" refuses "$work/untrue/groundtruth.csv" "$evaluate" --sequences="$work/untrue" --out="$work/untold"
   sample "refused: one of two sequences" refuses "$work/untrue/groundtruth.csv" "$evaluate" --sequences="$work/untrue,$work/pair" \
     --methods=paper --frames=2 --out="$work/half" --quiet

@@ -51,15 +51,28 @@ struct Data
         folder = path;
         sequence = Sequence::load(folder);
         const String truthFile = sequence->groundTruthFile();
-        if (!sequence->hasGroundTruth())
-            fail(truthFile + ": there is no such file, expected the true poses to evaluate against");
-        if (sequence->groundTruthEnd() == 0)
+        if (!sequence->hasGroundTruth() && !sequence->hasKeypoints())
+            fail(truthFile + ": there is no such file, expected the true poses to evaluate against, or labels in " + sequence->keypointsFile());
+        if (sequence->hasGroundTruth() && !hasPoses())
             fail(truthFile + ": expected lines with true poses");
         tools = common::loadTools(*sequence);
         for (int i = 0; i < (int)tools.size(); i++)   // an error in keypoints.csv comes before the work
-            for (int frame = 0; frame < sequence->groundTruthEnd(); frame++)
+            for (int frame = 0; frame < std::max(1, sequence->groundTruthEnd()); frame++)
                 visibleKeypoints(i, frame);
         label = plainName(sequence->name());
+    }
+
+    //! Whether true poses are known; else there are labels in the images only.
+    bool hasPoses() const { return sequence->groundTruthEnd() > 0; }
+
+    //! Whether all tools have joint readings at a frame.
+    bool hasJoints(int frame) const
+    {
+        std::vector<double> readings;
+        bool found = true;
+        for (int i = 0; i < (int)tools.size(); i++)
+            found = found && sequence->jointsAt(i, time(frame), readings, tools[i].model->coordinateNames());
+        return found;
     }
 
     double time(int frame, int field = 0) const { return sequence->frameTime(frame, field); }

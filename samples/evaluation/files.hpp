@@ -13,49 +13,13 @@
 #include <process.h>
 #endif
 #include "data.hpp"
+#include "../support/sequences.hpp"
 
 namespace evaluation {
 
-inline String absolutePath(const String& path)
-{
-    return utils::fs::exists(path) ? utils::fs::canonical(path) : path;
-}
-
-inline String baseName(const String& path)
-{
-    const size_t end = path.find_last_not_of("/\\"), slash = end == String::npos ? end : path.find_last_of("/\\", end);
-    return path.substr(slash == String::npos ? 0 : slash + 1, slash == String::npos ? end + 1 : end - slash);
-}
-
-/** The sequences of folders: a folder that is none itself is searched for them, in the order of their names. A folder without any is
-kept, to be told of when it is evaluated. */
-inline std::vector<String> findSequences(const std::vector<String>& folders)
-{
-    std::vector<String> sequences, known;
-    for (size_t i = 0; i < folders.size(); i++)
-    {
-        std::vector<String> found(1, folders[i]);
-        if (utils::fs::isDirectory(folders[i]) && !utils::fs::exists(utils::fs::join(folders[i], "sequence.yaml")))
-        {
-            std::vector<String> files;
-            utils::fs::glob(folders[i], "sequence.yaml", files, true);
-            std::sort(files.begin(), files.end());
-            if (!files.empty())
-                found = files;
-            for (size_t j = 0; j < files.size(); j++)
-                found[j] = utils::fs::getParent(files[j]);
-        }
-        for (size_t j = 0; j < found.size(); j++)
-        {
-            const String path = absolutePath(found[j]);
-            if (std::find(known.begin(), known.end(), path) != known.end())
-                continue;
-            known.push_back(path);
-            sequences.push_back(found[j]);
-        }
-    }
-    return sequences;
-}
+using common::absolutePath;
+using common::baseName;
+using common::findSequences;
 
 //! A number for the contents of files and texts (FNV-1a, 64 bit): another one as soon as a byte is another.
 class Fingerprint
@@ -136,7 +100,7 @@ inline String resultName(const String& folder, const String& sequence, const Str
 {
     static const String tracker = trackerFile();
     Fingerprint print;
-    print.add("1 " + settings);   // the number changes with the format
+    print.add("2 " + settings);   // the number changes with the format
     print.addFile(tracker);
     addSequence(print, sequence);
     return utils::fs::join(folder, plainName(baseName(absolutePath(sequence))) + "-" + print.text());

@@ -7,7 +7,7 @@
 #ifndef OPENCV_SURGTRACK_SAMPLES_EVALUATION_REPORT_HPP
 #define OPENCV_SURGTRACK_SAMPLES_EVALUATION_REPORT_HPP
 
-#include "tables.hpp"
+#include "other_tables.hpp"
 
 namespace evaluation {
 
@@ -223,11 +223,22 @@ inline void writeReport(const String& filename, const Results& results, const st
             "and are more than 5 mm off. Two controls look at no image and give a pose in every frame: `recorded`, joint readings and hand-eye "
             "calibration as recorded; `frozen`, the true correction of the first frame, kept.\n\n"
          << scoreTable(results) << "\n![](table.png)\n\n";
-    file << "## Detection of parts\n\nShare of the visible keypoints with a template that have a match within so many pixels (of an image "
+    const bool known = !measureTable(results).empty();   // poses, of some sequence
+    if (known)
+        file << "## Detection of parts\n\nShare of the visible keypoints with a template that have a match within so many pixels (of an image "
             "720 px wide) among the best 1 or 5 of their part.\n\n"
          << detectionTable(results) << "\n![](detection.png)\n\n![](detection_parts.png)\n\n"
          << classTable(results);
-    file << "## Rotation error by axis\n\nSize of the components of the rotation vector of R_true^T R_estimate [rad], about the axes of the "
+    if (hasLabels(results))
+        file << "## Keypoints in the image\n\nDistance of labelled keypoints, or of those that the truth has in sight, from where the pose has them; and the "
+                "share of them, with a pose or without, within so many per cent of the image width (PCK).\n\n"
+             << labelTable(results) << "\n![](pck.png)\n\n";
+    if (known)
+        file << "## Measures of SurgRIPE\n\nShare of all frames. ADD: the points of the end effector, jaws at their joints, are within 10 % of its diameter of "
+                "where they are, on average; projection: within 5 px in the image; pose: within 5 mm and 5 degrees.\n\n"
+             << measureTable(results) << "\n";
+    if (known)
+        file << "## Rotation error by axis\n\nSize of the components of the rotation vector of R_true^T R_estimate [rad], about the axes of the "
             "end effector.\n\n"
          << axesTable(results) << "\n![](rotation_axes.png)\n\n";
     file << "## Consistency\n\nNEES: squared error of `camera_T_tool` normalised by its covariance. Its mean is that over runs (a tool of a "

@@ -19,6 +19,7 @@ struct Result
     String label;                                     //!< for tables and file names
     std::vector<String> tools;                        //!< names
     std::vector<std::vector<String> > coordinates;    //!< of the joints, a tool
+    int width;                                        //!< of the image [pixel]
     std::vector<Run> runs;
     Detection detection;
     std::vector<ClassCounts> classes;                 //!< a detector and variant; none without baselines
@@ -76,8 +77,10 @@ private:
 inline void exchange(Row& row, Record& r)
 {
     row(r.frame)(r.tool)(r.state)(r.time)(r.translation)(r.rotation)(r.axes)(r.error)(r.sigma)(r.nees)(r.rotationNees)(r.translationNees);
-    row(r.nis)(r.visible)(r.inliers)(r.similarity)(r.contourSupport)(r.offsets)(r.trueOffsets);
+    row(r.nis)(r.visible)(r.inliers)(r.similarity)(r.contourSupport)(r.space)(r.image)(r.offsets)(r.trueOffsets);
 }
+
+inline void exchange(Row& row, LabelError& e) { row(e.frame)(e.tool)(e.part)(e.covered)(e.pixels); }
 
 inline void exchange(Row& row, PoseScore& s)
 {
@@ -136,7 +139,7 @@ inline FileNode child(const FileNode& parent, const char* key)
 
 inline void save(FileStorage& file, const Run& run)
 {
-    file << "{" << "method" << run.method << "frames" << run.frames << "seconds" << run.seconds << "records" << tableOf(run.records) << "scores"
+    file << "{" << "method" << run.method << "frames" << run.frames << "seconds" << run.seconds << "records" << tableOf(run.records) << "labels" << tableOf(run.labels) << "scores"
          << tableOf(run.scores) << "worst" << tableOf(std::vector<Record>(run.picture.empty() ? 0 : 1, run.worst)) << "picture" << run.picture << "}";
 }
 
@@ -147,6 +150,7 @@ inline Run loadRun(const FileNode& node)
     child(node, "frames") >> run.frames;
     child(node, "seconds") >> run.seconds;
     run.records = itemsOf<Record>(child(node, "records"));
+    run.labels = itemsOf<LabelError>(child(node, "labels"));
     run.scores = itemsOf<PoseScore>(child(node, "scores"));
     const std::vector<Record> worst = itemsOf<Record>(node["worst"]);
     node["picture"] >> run.picture;
@@ -185,6 +189,7 @@ inline void load(const String& filename, Result& result)
         const FileNode root = file.root();
         child(root, "label") >> result.label;
         child(root, "tools") >> result.tools;
+        child(root, "width") >> result.width;
         const FileNode coordinates = child(root, "coordinates"), runs = child(root, "runs");
         for (int i = 0; i < (int)coordinates.size(); i++)
         {
@@ -213,7 +218,7 @@ inline void save(const String& filename, const Result& result)
     FileStorage file(part, FileStorage::WRITE);
     if (!file.isOpened())
         fail(part + ": can't be written, expected a folder with room for it");
-    file << "label" << result.label << "tools" << result.tools << "coordinates" << "[";
+    file << "label" << result.label << "tools" << result.tools << "width" << result.width << "coordinates" << "[";
     for (size_t i = 0; i < result.coordinates.size(); i++)
         file << result.coordinates[i];
     file << "]" << "runs" << "[";

@@ -10,7 +10,7 @@
 
 #include "opencv2/imgcodecs.hpp"
 #include "opencv2/imgproc.hpp"
-#include "data.hpp"
+#include "measures.hpp"
 #include "../support/frame_reader.hpp"
 
 namespace evaluation {
@@ -28,6 +28,7 @@ struct Record
     double nis;                     //!< per degree of freedom; unknown if nothing was measured
     int visible, inliers;           //!< -1: a control
     double similarity, contourSupport;
+    double space, image;            //!< PointDistance
     std::vector<double> offsets, trueOffsets;   //!< of the joints; empty if there are none
     bool covered() const { return state == STATE_TRACKING || state == STATE_COASTING; }
 };
@@ -45,6 +46,7 @@ struct Run
 {
     String method;                  //!< full, full-stereo, paper, epnp, recorded, frozen
     std::vector<Record> records;
+    std::vector<LabelError> labels;
     std::vector<PoseScore> scores;  //!< a tool; the last: all of them
     int frames;                     //!< of the video
     double seconds;                 //!< in ToolTracker::update(); 0: a control
@@ -105,7 +107,7 @@ inline Record recordOf(const Data& data, int tool, int frame, int state, const M
     r.rotation = norm(r.axes);
     r.nees = r.rotationNees = r.translationNees = r.nis = unknown();
     r.visible = r.inliers = -1;
-    r.similarity = r.contourSupport = unknown();
+    r.similarity = r.contourSupport = r.space = r.image = unknown();
     return r;
 }
 
@@ -157,6 +159,8 @@ public:
             tracker_->setRightCamera(data.sequence->rightCamera(), data.sequence->right_T_left());
         common::setMasks(*data.sequence, *tracker_, stereo);
         scorer_ = PoseScorer::create(data.sequence->leftCamera(), common::modelsOf(data.tools));
+        for (size_t i = 0; i < data.tools.size(); i++)
+            points_.push_back(ToolPoints(data.tools[i].model));
     }
 
     //! @param frames at most so many; 0 = all
@@ -171,6 +175,13 @@ public:
         {
             if (!reader.read(left, right))
                 break;
+            run_.frames++;
+            if (!data_.hasPoses() && !data_.hasJoints(frame))   // recordings hardly ever start together
+            {
+                for (int i = 0; i < (int)data_.tools.size(); i++)
+                    addLabels(data_, i, frame, Matx44d::eye(), std::vector<double>(), run_.labels);
+                continue;
+            }
             data_.joints(frame, joints);
             update(left, right, data_.time(frame), joints, estimates);
             for (int i = 0; i < (int)estimates.size(); i++)
@@ -180,7 +191,6 @@ public:
                 data_.joints(frame, joints, 1);
                 update(left, right, data_.time(frame, 1), joints, estimates);
             }
-            run_.frames++;
             progress.show(run_.frames);
         }
         if (run_.frames == 0)
@@ -207,12 +217,16 @@ private:
 
     void take(int frame, int tool, const Mat& image, const std::vector<double>& readings, const ToolEstimate& e)
     {
+        addLabels(data_, tool, frame, e.camera_T_tool, common::isKnown(e) ? e.joints : std::vector<double>(), run_.labels);
         Truth truth;
         if (!data_.truth(tool, frame, truth))
             return;
         scorer_->add(tool, e.state, e.camera_T_tool, truth.camera_T_tool);
         Record r = recordOf(data_, tool, frame, e.state, e.camera_T_tool, truth);
         addEvidence(e, truth, readings, r);
+        const PointDistance d = distanceOf(points_[tool], data_.sequence->leftCamera(), e.camera_T_tool, e.joints, truth.camera_T_tool, truth.joints);
+        r.space = d.space;
+        r.image = d.image;
         run_.records.push_back(r);
         WorstFrame& worst = worst_;
         if (!keepWorst_ || e.state != STATE_TRACKING || (!worst.image.empty() && r.translation <= worst.record.translation))
@@ -229,6 +243,7 @@ private:
     bool stereo_, keepWorst_;
     Ptr<ToolTracker> tracker_;
     Ptr<PoseScorer> scorer_;
+    std::vector<ToolPoints> points_;   // a tool
     Run run_;
     WorstFrame worst_;
 };

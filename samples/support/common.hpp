@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <climits>
+#include <csignal>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -27,6 +28,26 @@
 #include "opencv2/core/utils/logger.hpp"
 
 namespace common {
+
+//! Set by Ctrl-C.
+inline volatile std::sig_atomic_t& interrupted()
+{
+    static volatile std::sig_atomic_t flag = 0;
+    return flag;
+}
+
+inline void onInterrupt(int signal)
+{
+    interrupted() = 1;
+    std::signal(signal, SIG_DFL);    // the second one ends the program
+}
+
+//! From now on the program ends by itself after Ctrl-C, as interrupted() tells it to.
+inline void catchInterrupts()
+{
+    std::signal(SIGINT, onInterrupt);
+    std::signal(SIGTERM, onInterrupt);
+}
 
 // An error of the command line or of the data; the text is the line the user gets.
 CV_NORETURN inline void fail(const std::string& line)
@@ -100,7 +121,26 @@ struct Program
     std::vector<std::string> options, flags;     //!< with a value, and without one
 };
 
-/** What main() of a sample does: --help, or run(parser) with a checked command line; whatever goes wrong is one line on stderr.
+//! `--set A=1 --set=B=2` as `--set=A=1,B=2`, which cv::CommandLineParser can read; all else as it is.
+inline std::vector<std::string> gatherSettings(int argc, char** argv)
+{
+    std::vector<std::string> arguments;
+    std::string settings;
+    for (int i = 0; i < argc; i++)
+    {
+        const std::string argument = argv[i];
+        const bool apart = argument == "--set" && i + 1 < argc;
+        if (apart || argument.compare(0, 6, "--set=") == 0)
+            settings += (settings.empty() ? "--set=" : ",") + (apart ? std::string(argv[++i]) : argument.substr(6));
+        else
+            arguments.push_back(argument);
+    }
+    if (!settings.empty())
+        arguments.push_back(settings);
+    return arguments;
+}
+
+/** What main() of a sample does: --help, --version, or run(parser) with a checked command line; whatever goes wrong is one line on stderr.
 @return the exit code: that of run() */
 template <class Run> int runProgram(int argc, char** argv, Program program, Run run)
 {
@@ -108,9 +148,19 @@ template <class Run> int runProgram(int argc, char** argv, Program program, Run 
     try
     {
         program.flags.push_back("help");
-        checkCommandLine(argc, argv, program.options, program.flags);
-        cv::CommandLineParser parser(argc, argv, program.keys);
+        program.flags.push_back("version");
+        std::vector<std::string> arguments = gatherSettings(argc, argv);
+        std::vector<char*> pointers;
+        for (size_t i = 0; i < arguments.size(); i++)
+            pointers.push_back(&arguments[i][0]);
+        checkCommandLine((int)pointers.size(), pointers.data(), program.options, program.flags);
+        cv::CommandLineParser parser((int)pointers.size(), pointers.data(), std::string(program.keys) + "{ version | | print the version }");
         parser.about(program.about);
+        if (parser.has("version"))
+        {
+            std::printf("%s, cv::surgtrack on OpenCV %s\n", program.name, CV_VERSION);
+            return 0;
+        }
         if (!parser.has("help"))
             return run(parser);
         parser.printMessage();

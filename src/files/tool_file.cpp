@@ -47,7 +47,7 @@ ToolModel::Link parseLink(const NodeReader& node, const std::vector<String>& coo
     ToolModel::Link link;
     link.name = node["name"].text();
 
-    const NodeReader joint = node["joint"].map({ "type", "coordinate", "scale", "offset_deviation" });
+    const NodeReader joint = node["joint"].map({ "type", "coordinate", "scale", "offset_deviation", "limits" });
     const String type = joint["type"].text();
     link.jointType = type == "fixed" ? ToolModel::JOINT_FIXED : type == "revolute" ? ToolModel::JOINT_REVOLUTE : ToolModel::JOINT_PRISMATIC;
     if (type != JOINT_NAMES[link.jointType])
@@ -63,6 +63,15 @@ ToolModel::Link parseLink(const NodeReader& node, const std::vector<String>& coo
         link.offsetDeviation = joint["offset_deviation"].number();
         if (link.offsetDeviation < 0)
             joint["offset_deviation"].fail("expected a number of at least 0; without the key it is the default");
+    }
+
+    if (joint.has("limits"))
+    {
+        const std::vector<NodeReader> limits = joint["limits"].sequence();
+        if (limits.size() != 2 || !(limits[0].number() < limits[1].number()))
+            joint["limits"].fail("expected two numbers, the lower and the upper limit of the coordinate");
+        link.lower = limits[0].number();
+        link.upper = limits[1].number();
     }
 
     const NodeReader mdh = node["mdh"].map({ "alpha", "a", "theta", "d" });
@@ -245,6 +254,8 @@ void ToolModel::save(const String& filename) const
             file << "coordinate" << description_.coordinates[link.coordinate] << "scale" << link.scale;
         if (link.offsetDeviation >= 0)
             file << "offset_deviation" << link.offsetDeviation;
+        if (link.lower < link.upper)
+            file << "limits" << "[:" << link.lower << link.upper << "]";
         file << "}" << "mdh" << "{:" << "alpha" << link.alpha << "a" << link.a << "theta" << link.theta << "d" << link.d << "}";
         if (link.mesh >= 0)
             file << "mesh" << format("meshes/%s_%d.ply", stem.c_str(), link.mesh);

@@ -10,7 +10,8 @@
 namespace cv { namespace surgtrack {
 
 ToolModel::Link::Link()
-    : parent(-1), jointType(JOINT_FIXED), coordinate(-1), scale(1), alpha(0), a(0), theta(0), d(0), mesh(-1), offsetDeviation(-1)
+    : parent(-1), jointType(JOINT_FIXED), coordinate(-1), scale(1), alpha(0), a(0), theta(0), d(0), mesh(-1), offsetDeviation(-1),
+      lower(0), upper(0)
 {
 }
 
@@ -66,6 +67,7 @@ void checkDescription(const ToolModel::Description& tool)
                path + ": expected finite scale, alpha, a, theta and d");
         expect(link.offsetDeviation < 0 || (link.offsetDeviation < DBL_MAX && !fixed),
                path + ".offsetDeviation: expected a finite number, or a negative one for the default, as for a fixed joint");
+        expect(checkRange(Vec2d(link.lower, link.upper)), path + ": expected finite lower and upper");
         expect(link.mesh >= -1 && link.mesh < (int)tool.meshes.size(), path + ".mesh: expected the index of a mesh, or -1");
         for (int j = 0; j < i; ++j)
             expect(fixed || tool.links[j].coordinate != link.coordinate || tool.links[j].offsetDeviation < 0 || link.offsetDeviation < 0

@@ -5,7 +5,8 @@
 #ifndef OPENCV_SURGTRACK_LAB_HPP
 #define OPENCV_SURGTRACK_LAB_HPP
 
-// What is around tracking: synthetic scenes, calibration, time offsets, files of others, live data, a view from outside, scores.
+// What is around tracking: synthetic scenes, calibration, time offsets, files of others, live data, a view from outside, scores, a check of the setup,
+// parameters as files.
 
 #include "opencv2/surgtrack/synthetic.hpp"
 #include "opencv2/surgtrack/hand_eye.hpp"
@@ -14,5 +15,7 @@
 #include "opencv2/surgtrack/live.hpp"
 #include "opencv2/surgtrack/scene_view.hpp"
 #include "opencv2/surgtrack/pose_score.hpp"
+#include "opencv2/surgtrack/setup_check.hpp"
+#include "opencv2/surgtrack/tracker_params.hpp"
 
 #endif

@@ -24,6 +24,7 @@ struct CV_EXPORTS_W_SIMPLE TimeOffsetParams
     CV_PROP_RW double minConfidence;   //!< see TimeOffset::confidence; default 0.15
     CV_PROP_RW double maxDeviation;    //!< see TimeOffset::deviation [s]; default 0.03
     CV_PROP_RW int seed;               //!< of all random choices
+    CV_PROP_RW int tool;               //!< index of the only tool that is looked at, as arms may have clocks of their own; -1, the default: one offset holds for all
 };
 
 /** @brief The answer of estimateTimeOffset(). */
@@ -46,7 +47,7 @@ one least-squares fit, over all frames, of the offset (a point is wrong by its v
 correction of the hand-eye calibration and of constant errors of the joints; then tools are drawn and found again with the result.
 The correction may change from one two-second block to the next where the images insist, as after a move of the camera.
 
-Expects a calibration wrong by at most 14 mm at the tool and about 10 degrees. One offset holds for all tools and the whole sequence.
+Expects a calibration wrong by at most 14 mm at the tool and about 10 degrees. One offset holds for the whole sequence.
 With the default options it takes about 15 s for two tools at 720x576, in proportion to frames, tools and range. The frames looked at
 are kept in memory.
 

@@ -66,6 +66,7 @@ public:
         double alpha, a, theta, d;
         int mesh;                 //!< index into meshes(); -1: nothing to draw
         double offsetDeviation;   //!< for offsetDeviations(), the same in all links of a coordinate [rad or m]; negative: the default
+        double lower, upper;      //!< limits of the coordinate, for checks only [rad or m]; unknown where lower is not less than upper, as by default
         Link();
     };
 

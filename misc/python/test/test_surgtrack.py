@@ -548,6 +548,34 @@ class surgtrack_test(NewOpenCVTests):
         self.assertFalse(known)
         self.assertIn('of the video', found.reason)
 
+    def test_every_parameter_has_a_name(self):
+        params, stages = st.ToolTracker.Params(), st.ToolTracker.Stages()
+        st.writeTrackerParams(self.path('all.yaml'), params, stages)
+        file = cv.FileStorage(self.path('all.yaml'), cv.FILE_STORAGE_READ)
+        fields = {'': params}
+        fields.update((name, getattr(stages, name)) for name in dir(stages) if not name.startswith('_'))
+        for group, owner in fields.items():
+            node = file.getNode(group) if group else file.root()
+            names = {name for name in dir(owner) if not name.startswith('_')}
+            self.assertEqual(set(node.keys()) - set(fields), names, group)
+        params, stages = st.setTrackerParam('matcher.candidates', '7', params, stages)
+        self.assertEqual(stages.matcher.candidates, 7)
+        st.writeTrackerParams(self.path('seven.yaml'), params, stages)
+        params, stages = st.readTrackerParams(self.path('seven.yaml'), st.ToolTracker.Params(), st.ToolTracker.Stages())
+        self.assertEqual(stages.matcher.candidates, 7)
+
+    def test_setup_is_checked(self):
+        self.scene(imageSize=(720, 576), frames=40).write(self.folder)
+        sequence = st.Sequence.load(self.folder)
+        findings, figures = st.checkSetup(sequence)
+        self.assertEqual(findings, ())
+        self.assertTrue(figures[0].startswith('PSM1: '), figures)
+        st.writeHandEye(self.folder, 'PSM1', np.linalg.inv(sequence.tool(0).nominal_T_base))
+        findings, figures = st.checkSetup(st.Sequence.load(self.folder))
+        self.assertIn('base_T_camera', findings[0])
+        self.assertEqual(st.checkUnits(self.model, np.full((3, 7), 0.1)), '')
+        self.assertIn('radians', st.checkUnits(self.model, np.full((3, 7), 50.)))
+
     def test_imported_files_become_a_sequence(self):
         with open(self.path("left.yaml"), "w") as f:   # as ROS writes it
             f.write("image_width: 720\nimage_height: 576\ndistortion_model: plumb_bob\n"

@@ -48,6 +48,11 @@ ToolModel::Link readJoint(const JsonKey& key, const JsonKey& dh)
     joint.jointType = passive ? ToolModel::JOINT_FIXED : type == "revolute" ? ToolModel::JOINT_REVOLUTE : ToolModel::JOINT_PRISMATIC;
     const double offset = key.has("offset") ? key["offset"].number() : 0;
     const bool turns = type == "revolute";
+    if (!passive && key.has("qmin") && key.has("qmax"))
+    {
+        joint.lower = key["qmin"].number();
+        joint.upper = key["qmax"].number();
+    }
     joint.alpha = exactAngle(key["alpha"].number());
     joint.a = key["A"].number();
     joint.theta = exactAngle(key["theta"].number()) + (turns ? exactAngle(offset) : 0);
@@ -163,6 +168,8 @@ ToolModel::Description describeLike(const Chain& chain, const String& filename)
         link.a = joint.a;
         link.theta = joint.theta;
         link.d = joint.d;
+        link.lower = joint.lower;
+        link.upper = joint.upper;
     }
     return tool;
 }

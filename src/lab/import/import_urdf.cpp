@@ -212,6 +212,11 @@ private:
         ToolModel::Link& moving = steps.back();
         moving.jointType = turns ? ToolModel::JOINT_REVOLUTE : ToolModel::JOINT_PRISMATIC;
         moving.coordinate = coordinateOf(joint, scale, offset);
+        if (joint.limits && !joint.mimic && joint.type != urdf::Joint::CONTINUOUS && joint.limits->lower < joint.limits->upper)
+        {
+            moving.lower = joint.limits->lower;
+            moving.upper = joint.limits->upper;
+        }
         const double sign = along && axis[2] < 0 ? -1 : 1;
         moving.scale = sign * scale;
         (turns ? moving.theta : moving.d) += sign * offset;

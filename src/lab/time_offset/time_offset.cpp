@@ -8,7 +8,7 @@
 namespace cv { namespace surgtrack {
 
 TimeOffsetParams::TimeOffsetParams()
-    : expected(0), range(3), step(0.16), frames(48), minOverlap(1.5), minConfidence(0.15), maxDeviation(0.03), seed(1)
+    : expected(0), range(3), step(0.16), frames(48), minOverlap(1.5), minConfidence(0.15), maxDeviation(0.03), seed(1), tool(-1)
 {
 }
 
@@ -41,10 +41,12 @@ TimeOffsetEstimator::TimeOffsetEstimator(const Sequence& sequence, const TimeOff
     std::map<String, Ptr<ToolModel> > models;
     for (int i = 0; i < sequence.toolCount(); i++)
     {
+        if (params.tool >= 0 && i != params.tool) continue;
         const SequenceTool info = sequence.tool(i);
         Ptr<ToolModel>& model = models[info.model];
         if (!model) model = ToolModel::load(info.model);
         OffsetTool tool;
+        tool.index = i;
         tool.model = model;
         tool.coordinates = model->coordinateNames();
         tool.nominal_T_base = nearestRigid(info.nominal_T_base);
@@ -220,8 +222,9 @@ bool TimeOffsetEstimator::run(TimeOffset& result)
 
 namespace {
 
-void check(const TimeOffsetParams& p)
+void check(const TimeOffsetParams& p, const Sequence& sequence)
 {
+    CV_Check(p.tool, p.tool >= -1 && p.tool < sequence.toolCount(), "TimeOffsetParams::tool must be the index of a tool, or -1");
     CV_Check(p.expected, std::abs(p.expected) < DBL_MAX, "TimeOffsetParams::expected must be finite");
     CV_Check(p.range, p.range >= 0 && p.range < DBL_MAX, "TimeOffsetParams::range must not be negative");
     CV_Check(p.step, p.step > 0 && p.step < DBL_MAX, "TimeOffsetParams::step must be positive");
@@ -237,7 +240,7 @@ void check(const TimeOffsetParams& p)
 bool estimateTimeOffset(const Ptr<Sequence>& sequence, TimeOffset& result, const TimeOffsetParams& params)
 {
     if (!sequence) CV_Error(Error::StsNullPtr, "sequence: expected one that is loaded");
-    check(params);
+    check(params, *sequence);
     TimeOffsetEstimator estimator(*sequence, params);
     return estimator.run(result);
 }

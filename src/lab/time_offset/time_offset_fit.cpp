@@ -38,7 +38,7 @@ TimeOffsetFit::TimeOffsetFit(const Sequence& sequence, const CameraModel& camera
         unknowns_ += 6 * blocks;
         // About a place where the tool works, so that rotations and translations are independent.
         Mat points;
-        CV_Assert(keypoints(int(i), sequence.firstTime(int(i)), points, 0));
+        CV_Assert(keypoints(int(i), sequence.firstTime(tools[i].index), points, 0));
         for (int k = 0; k < points.rows; k++)
         {
             const Vec3d p = rowOf(points, k);
@@ -68,7 +68,7 @@ void TimeOffsetFit::start(double offset)
 bool TimeOffsetFit::keypoints(int tool, double time, Mat& basePoints, Mat* jacobian) const
 {
     std::vector<double> joints;
-    if (!sequence_.jointsAt(tool, time, joints, tools_[tool].coordinates)) return false;
+    if (!sequence_.jointsAt(tools_[tool].index, time, joints, tools_[tool].coordinates)) return false;
     if (!jointOffsets_.empty())
         for (size_t i = 0; i < joints.size(); i++) joints[i] += jointOffsets_[tool][i];
     if (jacobian) tools_[tool].model->keypointPositions(joints, basePoints, *jacobian);
@@ -91,7 +91,7 @@ bool TimeOffsetFit::motion(int tool, double time, Mat& basePoints, Mat& jacobian
 bool TimeOffsetFit::view(int tool, int block, double time, ToolView& view) const
 {
     std::vector<double> joints;
-    if (!sequence_.jointsAt(tool, time + offset_, joints, tools_[tool].coordinates)) return false;
+    if (!sequence_.jointsAt(tools_[tool].index, time + offset_, joints, tools_[tool].coordinates)) return false;
     for (size_t i = 0; i < joints.size(); i++) joints[i] += jointOffsets_[tool][i];
     tools_[tool].model->forwardKinematics(joints, view.base_T_link);
     const Correction& c = corrections_[tool][block];

@@ -14,6 +14,7 @@ namespace cv { namespace surgtrack {
 //! A tool of the sequence, as the estimator of the time offset needs it.
 struct OffsetTool
 {
+    int index;                         // in the sequence
     Ptr<ToolModel> model;
     std::vector<String> coordinates;
     std::vector<double> deviations;    // of constant errors of its readings, for the prior; a coordinate

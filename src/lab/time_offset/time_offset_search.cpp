@@ -37,8 +37,8 @@ void TimeOffsetEstimator::readFrames()
     double first = DBL_MAX, last = -DBL_MAX;
     for (size_t i = 0; i < tools_.size(); i++)
     {
-        first = std::min(first, sequence_.firstTime(int(i)));
-        last = std::max(last, sequence_.lastTime(int(i)));
+        first = std::min(first, sequence_.firstTime(tools_[i].index));
+        last = std::max(last, sequence_.lastTime(tools_[i].index));
     }
     const double span = (reach_ + 1) * step_, fps = sequence_.fps();
     const int begin = int(std::min(double(total), std::max(0., (first - params_.expected - span) * fps)));
@@ -59,7 +59,7 @@ void TimeOffsetEstimator::readFrames()
         if (image.size() != camera_.imageSize()) resize(image, kept, camera_.imageSize(), 0, 0, INTER_AREA);
         else kept = image.clone();
         frames_.push_back(kept);
-        times_.push_back(frame / fps);
+        times_.push_back(sequence_.frameTime(frame));
     }
     if (!frames_.empty())
         blocks_ = std::min(maxBlocks, std::max(1, cvRound((times_.back() - times_.front()) / blockTime)));
@@ -73,7 +73,7 @@ bool TimeOffsetEstimator::drawn(int cell, std::vector<PartDrawing>& drawings)
     for (size_t i = 0; i < tools_.size(); i++)
     {
         std::vector<double> joints;
-        if (!sequence_.jointsAt(int(i), params_.expected + cell * step_, joints, tools_[i].coordinates)) return false;
+        if (!sequence_.jointsAt(tools_[i].index, params_.expected + cell * step_, joints, tools_[i].coordinates)) return false;
         tools_[i].model->forwardKinematics(joints, views[i].base_T_link);
         views[i].camera_T_base = tools_[i].nominal_T_base;
     }

@@ -2051,6 +2051,8 @@ class TimeOffsetParams:
     """see TimeOffset.deviation [s]; default 0.03"""
     seed: int
     """of all random choices"""
+    tool: int
+    """index of the only tool that is looked at, as arms may have clocks of their own; -1, the default: one offset holds for all"""
 
 class TimeOffset:
     """The answer of estimateTimeOffset()."""
@@ -2089,7 +2091,7 @@ def estimateTimeOffset(sequence: Sequence, params: TimeOffsetParams = ...) -> Tu
     correction of the hand-eye calibration and of constant errors of the joints; then tools are drawn and found again with the result.
     The correction may change from one two-second block to the next where the images insist, as after a move of the camera.
 
-    Expects a calibration wrong by at most 14 mm at the tool and about 10 degrees. One offset holds for all tools and the whole sequence.
+    Expects a calibration wrong by at most 14 mm at the tool and about 10 degrees. One offset holds for the whole sequence.
     With the default options it takes about 15 s for two tools at 720x576, in proportion to frames, tools and range. The frames looked at
     are kept in memory.
 
@@ -2487,5 +2489,67 @@ def normalizedErrorSquared(error: NDArray[np.float64], covariance: NDArray[np.fl
     covariance: see ToolEstimate.covariance
     first, count: components, by default all: 0, 3 is the rotation alone, 3, 3 the translation
     Returns: not a number if that block of the covariance is not positive definite, as without a covariance
+    """
+    ...
+
+def checkSetup(sequence: Sequence, stereo: bool = ...) -> Tuple[Tuple[str, ...], Tuple[str, ...]]:
+    """Looks for mistakes in the setup of a recorded sequence: units of readings and meshes, joint limits, hand-eye calibrations,
+    clocks, and, with stereo, the eyes against each other. Where none of these is found, the tools are tracked in some thirty frames
+    spread over the video (its first 5000 frames), to see whether arms or tool files are exchanged, clocks differ, or another instrument is
+    seen. Takes seconds; where tools are not found, up to a minute.
+
+    An instrument very much like the model's can't be told from it; nor is it looked for where a tool is never in the image.
+
+    sequence: video and readings
+    findings: what is likely to be wrong, with the probable cause and the key to change, a line each; none: nothing was found
+    figures: what was seen of each tool, a line each; none if a finding came before the tracking
+    stereo: the right eye is used
+    Raises cv2.error if the video can't be read
+    """
+    ...
+
+def checkEyes(sequence: Sequence) -> str:
+    """Whether the first images of the eyes contradict `right_T_left`: corners are found where they would be with the eyes exchanged.
+
+    sequence: with two eyes
+    Returns: what is wrong, in a line; empty: nothing, or it can't be told
+    """
+    ...
+
+def checkUnits(model: ToolModel, joints: NDArray[Any]) -> str:
+    """Whether joint readings are in radians and metres.
+
+    model: the tool
+    joints: N x C, a reading a row
+    Returns: what no instrument can have, in a line; empty: nothing
+    """
+    ...
+
+def readTrackerParams(filename: str, params: ToolTracker.Params, stages: ToolTracker.Stages) -> Tuple[ToolTracker.Params, ToolTracker.Stages]:
+    """Reads parameters of a tracker from a file: those it names, the others stay as they are. Keys are the names of the fields of
+    ToolTracker.Params, and maps of those of ToolTracker.Stages.
+
+    filename: YAML, XML or JSON, as writeTrackerParams() writes it
+    params, stages: changed
+    Raises cv2.error naming file and key: no such field, or no number
+    """
+    ...
+
+def writeTrackerParams(filename: str, params: ToolTracker.Params, stages: ToolTracker.Stages) -> None:
+    """Writes all parameters of a tracker.
+
+    filename: YAML, XML or JSON by its ending
+    params, stages: what is written
+    Raises cv2.error naming the file if it can't be written
+    """
+    ...
+
+def setTrackerParam(name: str, value: str, params: ToolTracker.Params, stages: ToolTracker.Stages) -> Tuple[ToolTracker.Params, ToolTracker.Stages]:
+    """Sets one parameter by its name.
+
+    name: of a field of ToolTracker.Params, as `minWindow`, or of a stage, as `matcher.minSimilarity`
+    value: as text: a number; 0, 1, false or true for a flag
+    params, stages: changed
+    Raises cv2.error naming what is there instead
     """
     ...

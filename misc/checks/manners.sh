@@ -1,0 +1,67 @@
+# shellcheck shell=bash
+# How track_sequence answers: mistakes of the setup, exit codes, Ctrl-C, parameters, folders of sequences. Sourced by misc/test.sh.
+
+# exits CODE WORD COMMAND...: the exit code, and WORD in what the command prints; nothing has to be printed if WORD is empty.
+exits() {
+  local expected="$1" word="$2" code=0
+  shift 2
+  limited "$@" >"$LOGS/exits" 2>&1 || code=$?
+  if [[ $code -ne $expected ]] || ! grep -q -F -e "$word" "$LOGS/exits"; then
+    echo "expected exit code $expected and '$word', got exit code $code and:"
+    cat "$LOGS/exits"
+    return 1
+  fi
+}
+
+# interrupted DIR COMMAND...: Ctrl-C after some frames leaves poses, video and a summary of all frames until then.
+interrupted() {
+  local work="$1" code=0 pid i rows
+  shift
+  rm -f "$work/cut.csv"
+  "$@" --poses="$work/cut.csv" --video="$work/cut.mp4" >"$LOGS/interrupted" 2>&1 &
+  pid=$!
+  for ((i = 0; i < 1200 && $(wc -l 2>/dev/null <"$work/cut.csv" || echo 0) < 4; i++)); do sleep 0.05; done
+  kill -INT "$pid"
+  wait "$pid" || code=$?
+  rows=$(($(wc -l <"$work/cut.csv") - 1))
+  [[ $code -eq 130 ]] && grep -q 'tracked in' "$LOGS/interrupted" && video_readable "$work/cut.mp4" "$rows" && return 0
+  echo "exit code $code, $rows rows, and:"
+  cat "$LOGS/interrupted"
+  return 1
+}
+
+run_manners() {
+  local work="$1/manners" make="$BUILD_DIR/bin/example_surgtrack_make_sequence" program
+  local cpp=("$BUILD_DIR/bin/example_surgtrack_track_sequence")
+  local python=(env PYTHONDONTWRITEBYTECODE=1 "PYTHONPATH=$BUILD_DIR/python_loader" "$PYTHON" "$REPO/samples/track_sequence.py")
+  mkdir -p "$work/all"
+  sample "make_sequence, a long one" limited "$make" --out="$work/all/long" --frames=200 --quiet
+  sample "make_sequence, a short one" limited "$make" --out="$work/all/short" --frames=40 --seed=2 --quiet
+  cp -r "$work/all/short" "$work/inverse"
+  "$PYTHON" - "$work/inverse/sequence.yaml" <<'PYTHON'
+import re, sys
+import numpy as np
+text = open(sys.argv[1]).read()
+data = re.search(r"camera_T_base:.*?data: \[([^\]]*)\]", text, re.S)
+inverse = np.linalg.inv(np.array([float(x) for x in data.group(1).split(",")]).reshape(4, 4))
+open(sys.argv[1], "w").write(text[:data.start(1)] + ", ".join(repr(float(x)) for x in inverse.ravel()) + text[data.end(1):])
+PYTHON
+  "${cpp[0]}" --write-config="$work/params.yaml" --set seed=7
+  for program in cpp python; do
+    local -n track="$program"
+    sample "$program: --version" exits 0 "cv::surgtrack on OpenCV" "${track[@]}" --version
+    sample "$program: --check, a sound sequence" exits 0 ": 0 findings" "${track[@]}" --check --sequence="$work/all/short"
+    sample "$program: --check, an inverse calibration" exits 1 "is it base_T_camera?" "${track[@]}" --check --sequence="$work/inverse"
+    sample "$program: nothing was tracked, and why" exits 2 "is it base_T_camera?" "${track[@]}" --sequence="$work/inverse" --frames=5
+    sample "$program: nothing was kept" exits 0 "nothing was kept" "${track[@]}" --sequence="$work/all/short" --frames=3
+    sample "$program: parameters" exits 0 "tracked in 100" "${track[@]}" --sequence="$work/all/short" --frames=3 --config="$work/params.yaml" \
+      --set matcher.candidates=6 --set=minWindow=25
+    sample "$program: refused: no such parameter" exits 1 "'matcher.none'" "${track[@]}" --sequence="$work/all/short" --set matcher.none=1
+    sample "$program: quiet" exits 0 "tracked in" "${track[@]}" --sequence="$work/all/short" --frames=3 --quiet
+    sample "$program: nothing but that" test "$(wc -l <"$LOGS/exits")" -eq 2
+    sample "$program: Ctrl-C" interrupted "$work" "${track[@]}" --sequence="$work/all/long"
+  done
+  sample "a folder of sequences" limited "${cpp[@]}" --sequence="$work/all" --frames=3 --poses="$work/poses.csv" --quiet
+  sample "the poses of one" poses_complete "$work/poses_long.csv" 3
+  sample "those of the other" poses_complete "$work/poses_short.csv" 3
+}
