@@ -127,7 +127,9 @@ private:
         parts.packages = text("packages");
         parts.base = text("base");
         parts.endEffector = text("end-effector");
-        const Ptr<ToolModel> model = from == "dvrk" ? importDvrkTool(files(), parts) : importUrdfTool(oneFile(), parts);
+        Ptr<ToolModel> model = from == "dvrk" ? importDvrkTool(files(), parts) : importUrdfTool(oneFile(), parts);
+        if (model->keypoints().empty() && !model->meshes().empty())
+            model = chooseKeypoints(model);
         model->save(out);
         size_t triangles = 0;
         for (size_t i = 0; i < model->meshes().size(); i++)
