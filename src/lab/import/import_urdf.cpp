@@ -81,6 +81,7 @@ public:
     UrdfReader(const String& filename, const ToolParts& parts) : filename_(filename), parts_(parts)
     {
         const String text = readTextFile(filename);
+        refuseXacro(text);
         readOrder(text);
         Messages messages;
         try
@@ -114,7 +115,17 @@ public:
         return tool_;
     }
 
+    const MeshFrames& frames() const { return frames_; }
+
 private:
+    //! What is still to be expanded; the name space alone often stays in what was.
+    void refuseXacro(const String& text) const
+    {
+        const std::regex comment("<!--[^]*?-->"), call("<xacro:|\\$\\{|\\$\\(");
+        if (std::regex_search(std::regex_replace(std::string(text), comment, ""), call))
+            fail("is xacro, expected an expanded URDF: `xacro FILE.xacro > FILE.urdf` expands it");
+    }
+
     //! The joints in the order of the file, which urdfdom does not keep.
     void readOrder(const String& text)
     {
@@ -137,13 +148,16 @@ private:
             found.push_back((int)i);
         std::vector<int> place(tool_.coordinates.size() + 1, -1);
         std::vector<String> sorted;
+        std::vector<Vec2d> limits;
         for (size_t i = 0; i < found.size(); i++)
             if (found[i] < (int)tool_.coordinates.size() && place[found[i]] < 0)
             {
                 place[found[i]] = (int)sorted.size();
                 sorted.push_back(tool_.coordinates[found[i]]);
+                limits.push_back(tool_.limits[found[i]]);
             }
         tool_.coordinates.swap(sorted);
+        tool_.limits.swap(limits);
         for (size_t i = 0; i < tool_.links.size(); i++)
             if (tool_.links[i].jointType != ToolModel::JOINT_FIXED)
                 tool_.links[i].coordinate = place[tool_.links[i].coordinate];
@@ -186,7 +200,15 @@ private:
         if (at != tool_.coordinates.end())
             return (int)(at - tool_.coordinates.begin());
         tool_.coordinates.push_back(source->name);
+        tool_.limits.push_back(limitsOf(*source));
         return (int)tool_.coordinates.size() - 1;
+    }
+
+    //! Without lower and upper both are 0 in urdfdom.
+    static Vec2d limitsOf(const urdf::Joint& joint)
+    {
+        const bool known = joint.limits && joint.type != urdf::Joint::CONTINUOUS && joint.limits->lower < joint.limits->upper;
+        return known ? Vec2d(joint.limits->lower, joint.limits->upper) : Vec2d(-DBL_MAX, DBL_MAX);
     }
 
     void addJoint(const urdf::Joint& joint, const String& name, int parent)
@@ -239,14 +261,33 @@ private:
             return name.substr(7);
         if (name.compare(0, 10, "package://") != 0)
             return name[0] == '/' ? name : utils::fs::join(utils::fs::getParent(filename_), name);
-        if (parts_.packages.empty())
-            fail("mesh `" + name + "`: expected the folder of the package to be given (packages)", Error::StsObjectNotFound);
-        const String rest = name.substr(10), whole = utils::fs::join(parts_.packages, rest);
+        const String rest = name.substr(10);
+        if (!parts_.packages.empty())
+        {
+            const String found = inPackage(parts_.packages, rest);
+            return found.empty() ? utils::fs::join(parts_.packages, rest) : found;
+        }
+        // Without it: where the URDF is, or above that, as packages have it.
+        for (String folder = utils::fs::canonical(utils::fs::getParent(utils::fs::canonical(filename_))), last; folder != last && !folder.empty();)
+        {
+            const String found = inPackage(folder, rest);
+            if (!found.empty())
+                return found;
+            last = folder;
+            folder = utils::fs::getParent(folder);
+        }
+        fail("mesh `" + name + "`: is neither beside the file nor above it, expected the folder of the package to be given (packages)", Error::StsObjectNotFound);
+    }
+
+    //! NAME/... or ... in a folder; empty if it is not there.
+    static String inPackage(const String& folder, const String& rest)
+    {
+        const String whole = utils::fs::join(folder, rest);
         const size_t slash = rest.find('/');
         if (utils::fs::exists(whole) || slash == String::npos)
-            return whole;
-        const String inside = utils::fs::join(parts_.packages, rest.substr(slash + 1));
-        return utils::fs::exists(inside) ? inside : whole;
+            return utils::fs::exists(whole) ? whole : String();
+        const String inside = utils::fs::join(folder, rest.substr(slash + 1));
+        return utils::fs::exists(inside) ? inside : String();
     }
 
     void addMeshes(const urdf::Link& link, int index)
@@ -267,7 +308,9 @@ private:
             const urdf::Mesh& mesh = static_cast<const urdf::Mesh&>(*visual.geometry);
             try
             {
-                append(loadScaled(resolve(mesh.filename), Vec3d(mesh.scale.x, mesh.scale.y, mesh.scale.z), toTransform(visual.origin)), all);
+                const Vec3d scale(mesh.scale.x, mesh.scale.y, mesh.scale.z);
+                append(loadScaled(resolve(mesh.filename), scale, toTransform(visual.origin)), all);
+                frames_[index].push_back(toTransform(visual.origin) * Matx44d::diag(Matx41d(scale[0], scale[1], scale[2], 1)));
             }
             catch (const Exception& e)
             {
@@ -338,9 +381,27 @@ private:
         for (size_t i = 0; i < ends.size(); i++)
             if (tool_.links[i].parent >= 0)
                 ends[tool_.links[i].parent] = false;
-        if (std::count(ends.begin(), ends.end(), true) != 1)
-            fail("several links that nothing hangs on: expected the end effector to be named (endEffector)", Error::StsBadArg);
-        tool_.endEffectorLink = (int)(std::find(ends.begin(), ends.end(), true) - ends.begin());
+        std::vector<int> all, still;
+        for (int i = 0; i < (int)ends.size(); i++)
+        {
+            if (tool_.links[i].name == "tool_tip_link")
+            {
+                tool_.endEffectorLink = i;
+                return;
+            }
+            if (!ends[i])
+                continue;
+            all.push_back(i);
+            if (urdf_->getLink(tool_.links[i].name)->parent_joint->type == urdf::Joint::FIXED)
+                still.push_back(i);
+        }
+        const std::vector<int>& candidates = still.empty() ? all : still;
+        String names;
+        for (size_t i = 0; i < candidates.size(); i++)
+            names += (i ? ", " : "") + tool_.links[candidates[i]].name;
+        if (candidates.size() != 1)
+            fail("several links that nothing hangs on: " + names + "; expected the end effector to be named (endEffector), it may be any link", Error::StsBadArg);
+        tool_.endEffectorLink = candidates[0];
     }
 
     String filename_;
@@ -350,15 +411,17 @@ private:
     std::map<String, String> replaced_;      // meshes, by link
     Ptr<ToolModel> like_;
     ToolModel::Description tool_;
+    MeshFrames frames_;
 };
 
 } // namespace
 
 Ptr<ToolModel> importUrdfTool(const String& filename, const ToolParts& parts)
 {
-    ToolModel::Description tool = UrdfReader(filename, parts).read();
-    addParts(parts, Matx33d::eye(), tool);
-    return ToolModel::create(tool);
+    UrdfReader reader(filename, parts);
+    ToolModel::Description tool = reader.read();
+    addParts(parts, Matx33d::eye(), tool, reader.frames());
+    return makeTool(parts, tool);
 }
 
 #endif

@@ -7,6 +7,7 @@
 #include <map>
 #include "base/geometry.hpp"
 #include "lab/tool/keypoint_trial.hpp"
+#include "lab/tool/simplified.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -284,8 +285,10 @@ Ptr<ToolModel> chooseKeypoints(const Ptr<ToolModel>& model, int count)
     CV_CheckGE(count, LEAST, "count: of keypoints");
     if (model->meshes().empty())
         CV_Error(Error::StsBadArg, "tool '" + model->name() + "': expected meshes to choose keypoints on");
-    const ToolMotion motion(*model);
-    Ptr<ToolModel> all = withCandidates(*model, motion);
+    // On the shape that is tracked: the same keypoints however fine the files were.
+    const Ptr<ToolModel> tracked = simplified(model, 20000);
+    const ToolMotion motion(*tracked);
+    Ptr<ToolModel> all = withCandidates(*tracked, motion);
 
     // First a few pictures: most candidates are inside, or nothing to be found again.
     std::vector<int> kept;

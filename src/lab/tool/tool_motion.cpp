@@ -47,9 +47,9 @@ void ToolMotion::findRanges(const ToolModel& model)
     const Mat_<double> limits = model.jointLimits();
     for (int c = 0; c < (int)role.size(); c++)
     {
-        bool slides = false;
+        bool slides = true;   // a coordinate may turn one link and shift another
         for (size_t i = 0; i < model.links().size(); i++)
-            slides = slides || (model.links()[i].coordinate == c && model.links()[i].jointType == ToolModel::JOINT_PRISMATIC);
+            slides = slides && (model.links()[i].coordinate != c || model.links()[i].jointType == ToolModel::JOINT_PRISMATIC);
         const double least = limits(c, 0), most = limits(c, 1), zero = std::min(std::max(0., least), most);
         const double down = role[c] == JAW ? 0 : slides ? 0.01 : bent, up = role[c] == JAW ? (slides ? 0.003 : open) : slides ? 0.01 : bent;
         low.push_back(std::max(zero - down, least));
