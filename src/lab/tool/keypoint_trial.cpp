@@ -36,8 +36,7 @@ KeypointTrial::KeypointTrial(const Ptr<ToolModel>& model, const ToolMotion& moti
     parts_ = PartTemplateRenderer::create(renderer_, parts);
     parts_->addTool(model);
     QGOMatcher::Params match;
-    match.candidates = 2;
-    match.relativeSimilarity = 0;
+    match.candidates = 1;
     matcher_ = QGOMatcher::create(match);
     materials_ = toolMaterials(motion.wristDepth(*model));
     RNG rng(1);
@@ -115,18 +114,11 @@ void KeypointTrial::look(const Matx44d& camera_T_base, const std::vector<Matx44d
         windows.push_back(Rect(templates_[i].anchor - Point(WINDOW, WINDOW), Size(2 * WINDOW + 1, 2 * WINDOW + 1)));
     matcher_->setImage(picture_);
     matcher_->match(templates_, windows, matches_);
-    std::vector<double> best(templates_.size(), 0.);
     for (size_t i = 0; i < matches_.size(); i++)
     {
         const PartMatch& match = matches_[i];
         Sighting& s = sightings[match.part];
         const ToolModel::Keypoint& keypoint = model_->keypoints()[match.part];
-        if (best[match.templateIndex] > 0)   // the next place
-        {
-            s.margin = std::min(s.margin, best[match.templateIndex] - match.similarity);
-            continue;
-        }
-        best[match.templateIndex] = s.margin = match.similarity;
         const Point3d viewPoint = transform(camera_T_base * base_T_link[keypoint.link], keypoint.linkPoint);
         s.error = norm(match.imagePoint - camera_.project(viewPoint));
         s.found = s.error < NEAR;

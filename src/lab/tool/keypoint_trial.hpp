@@ -16,7 +16,6 @@ struct Sighting
 {
     bool drawn, seen, found;           // a template was cut; the true drawing shows the point itself; the matcher found it there
     double error;                      // [pixel], of what was found
-    double margin;                     // similarity of the best match less that of the next place
     std::vector<double> jacobian;      // 2 x states [pixel per unit]; empty if not found
 };
 
