@@ -531,8 +531,10 @@ TEST_F(SurgTrack_ImportUrdf, refusesWhatItCannotTake)
     expectError(replaced(text, "<axis xyz=\"1 0 0\"/>", "<axis xyz=\"1 0 0\"/><mimic joint=\"j8\"/>"), "mimic");
     expectError(replaced(text, "</robot>", ""), "URDF");
     expectError("<xacro/>", "URDF");
+    expectError(replaced(text, "<link name=\"l2\"/>", "<link name=\"l2\"/><xacro:tool/>"), "xacro FILE.xacro > FILE.urdf");
     expectError(replaced(text, "<link name=\"l2\"/>", "<link name=\"l2\"/><link name=\"l3\"/><joint name=\"j2\" type=\"fixed\">"
-                         "<parent link=\"l0\"/><child link=\"l3\"/></joint>"), "end effector");
+                         "<parent link=\"l0\"/><child link=\"l3\"/></joint><link name=\"l4\"/><joint name=\"j3\" type=\"fixed\">"
+                         "<parent link=\"l2\"/><child link=\"l4\"/></joint>"), "l4, l3; expected the end effector");
     EXPECT_ERROR(importUrdfTool(path("none.urdf")), "none.urdf");
 }
 

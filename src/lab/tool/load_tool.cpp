@@ -20,6 +20,8 @@ Ptr<ToolModel> simplified(const Ptr<ToolModel>& model, int maxTriangles)
     if (maxTriangles <= 0 || triangles <= (size_t)maxTriangles)
         return model;
     ToolModel::Description tool = model->description();
+    for (size_t i = 0; i < tool.meshes.size(); i++)
+        mergePoints(tool.meshes[i]);
     decimateMeshes(tool.meshes, maxTriangles);
     for (size_t i = 0; i < tool.meshes.size(); i++)
         computeNormals(tool.meshes[i]);
