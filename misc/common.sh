@@ -24,10 +24,10 @@ CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO"
   -DBUILD_TESTS=ON -DOPENCV_BUILD_TEST_MODULES_LIST=surgtrack
   -DBUILD_opencv_python3=ON "-DPYTHON3_EXECUTABLE=$PYTHON")
 
-# What Debian 12 needs. nlohmann-json3 and urdfdom read robots' files; the last two let VTK render without a display; xvfb and
-# xauth test it with one.
+# What Debian 12 needs. assimp and meshoptimizer read and thin out meshes, nlohmann-json3 and urdfdom read robots' files; VTK draws by OpenGL,
+# the last two let it do so without a display; xvfb and xauth test it with one.
 PACKAGES=(build-essential dpkg-dev cmake ninja-build ccache libvtk9-dev libeigen3-dev
-  nlohmann-json3-dev liburdfdom-dev libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libjpeg-dev libpng-dev zlib1g-dev
+  libassimp-dev libmeshoptimizer-dev  nlohmann-json3-dev liburdfdom-dev libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libjpeg-dev libpng-dev zlib1g-dev
   python3-dev python3-numpy xvfb xauth libegl1 libgl1-mesa-dri)
 
 step() { printf '\n== %s\n' "$*"; }
@@ -250,7 +250,7 @@ configure() {
   cached=";$(sed -n 's/^OPENCV_MODULES_BUILD:INTERNAL=//p' "$BUILD_DIR/CMakeCache.txt");"
   if [[ "$cached" != *";opencv_surgtrack;"* ]]; then
     grep 'opencv_surgtrack disabled' "$log" >&2 || true
-    die "the module is disabled: VTK 9 and Eigen 3.3 are needed (log: $log)"
+    die "the module is disabled: Eigen 3.3, assimp and meshoptimizer are needed (log: $log)"
   fi
   [[ "$cached" == *";opencv_python3;"* || " ${CONFIGURATION[*]} " == *" -DBUILD_opencv_python3=OFF "* ]] ||
     die "OpenCV's Python bindings are unavailable: $PYTHON needs its headers and numpy (log: $log)"

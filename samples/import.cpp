@@ -113,6 +113,22 @@ private:
             std::printf("%s\n", line.c_str());
     }
 
+    //! @param count auto or auto:N @param needed none are an error
+    Ptr<ToolModel> withKeypoints(const Ptr<ToolModel>& model, const String& count, bool needed) const
+    {
+        try
+        {
+            return chooseKeypoints(model, count.size() > 5 ? std::atoi(count.c_str() + 5) : 24);
+        }
+        catch (const cv::Exception& e)
+        {
+            if (needed || e.code != Error::StsObjectNotFound)
+                throw;
+            say(e.err);
+            return model;
+        }
+    }
+
     void importTool(const String& from) const
     {
         const String out = needed("out", "TOOL.yaml"), axes = text("mesh-axes");
@@ -128,9 +144,9 @@ private:
         parts.base = text("base");
         parts.endEffector = text("end-effector");
         Ptr<ToolModel> model = from == "dvrk" ? importDvrkTool(files(), parts) : from == "urdf" ? importUrdfTool(oneFile(), parts) : ToolModel::load(oneFile(), 0);
-        const bool again = from == "tool" && parts.keypoints.compare(0, 4, "auto") == 0;
-        if ((again || model->keypoints().empty()) && !model->meshes().empty())
-            model = chooseKeypoints(model, parts.keypoints.size() > 5 ? std::atoi(parts.keypoints.c_str() + 5) : 24);
+        const bool asked = parts.keypoints.compare(0, 4, "auto") == 0;
+        if ((asked && from == "tool") || (model->keypoints().empty() && !model->meshes().empty()))
+            model = withKeypoints(model, asked ? parts.keypoints : String("auto"), asked);
         model->save(out);
         size_t triangles = 0;
         for (size_t i = 0; i < model->meshes().size(); i++)

@@ -27,12 +27,12 @@ Takes a second or two. The same tool gets the same points.
 @param model the tool; keypoints it has are replaced
 @param count at least so many, if the surface has them
 @return the tool with keypoints named LINK_1, LINK_2, ...; their score is the share of pictures that show them in which they were found
-@throws cv::Exception if the tool has no meshes, or so few features that less than four keypoints are found */
+@throws cv::Exception if the tool has no meshes, and (StsObjectNotFound) if less than four keypoints are found again */
 CV_EXPORTS_W Ptr<ToolModel> chooseKeypoints(const Ptr<ToolModel>& model, int count = 24);
 
 /** @brief A tool from any file that describes one: a tool file, or an URDF (by its name, `.urdf`); ready to be tracked.
 
-A tool without keypoints gets those of chooseKeypoints(). The end effector of an URDF is the link `tool_tip_link`, or the only end of the
+A tool without keypoints gets those of chooseKeypoints(), if there are any. The end effector of an URDF is the link `tool_tip_link`, or the only end of the
 chain that no joint moves by itself; importUrdfTool() has more options.
 @param filename tool file or URDF
 @param maxTriangles a tool with more triangles than this is decimated, all meshes to the same closeness; 0 = never */

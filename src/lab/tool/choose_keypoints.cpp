@@ -332,7 +332,7 @@ Ptr<ToolModel> chooseKeypoints(const Ptr<ToolModel>& model, int count)
     for (int v = 0; v < (int)sightings.size(); v++)
         while (choice.found(v) < LEAST && choice.take(v)) {}
     if (choice.chosen.size() < 4)
-        CV_Error(Error::StsError, format("tool '%s': %d points were found again in pictures of it, expected 4 and more: are the meshes in metres?",
+        CV_Error(Error::StsObjectNotFound, format("tool '%s': %d points were found again in pictures of it, expected 4 and more: are the meshes in metres?",
                                          model->name().c_str(), (int)choice.chosen.size()));
     ToolModel::Description tool = model->description();
     tool.keypoints.clear();

@@ -39,7 +39,18 @@ Ptr<ToolModel> loadTool(const String& filename, int maxTriangles)
 {
     CV_CheckGE(maxTriangles, 0, "maxTriangles: 0 keeps all");
     const Ptr<ToolModel> model = isUrdf(filename) ? simplified(importUrdfTool(filename), maxTriangles) : ToolModel::load(filename, maxTriangles);
-    return model->keypoints().empty() && !model->meshes().empty() ? chooseKeypoints(model) : model;
+    if (!model->keypoints().empty() || model->meshes().empty())
+        return model;
+    try
+    {
+        return chooseKeypoints(model);
+    }
+    catch (const Exception& e)
+    {
+        if (e.code != Error::StsObjectNotFound)
+            throw;
+        return model;   // nothing to be found: checkTool() says why
+    }
 }
 
 }} // namespace cv::surgtrack
