@@ -24,6 +24,9 @@ CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO"
   -DBUILD_TESTS=ON -DOPENCV_BUILD_TEST_MODULES_LIST=surgtrack
   -DBUILD_opencv_python3=ON "-DPYTHON3_EXECUTABLE=$PYTHON")
 
+# Parts of OpenCV that nothing here uses.
+WITHOUT=(ADE IPP ITT QUIRC OPENCL PROTOBUF CUDA 1394 GSTREAMER GTK QT LAPACK TIFF WEBP OPENJPEG JASPER OPENEXR GDAL VA VA_INTEL V4L EIGEN VTK)
+
 # What Debian 12 needs. assimp and meshoptimizer read and thin out meshes, nlohmann-json3 and urdfdom read robots' files; VTK draws by OpenGL,
 # the last two let it do so without a display; xvfb and xauth test it with one.
 PACKAGES=(build-essential dpkg-dev cmake ninja-build ccache libvtk9-dev libeigen3-dev
@@ -214,9 +217,9 @@ configure() {
     -DOPENCV_VCSVERSION=unknown -DBUILD_INFO_SKIP_EXTRA_MODULES=ON   # else each commit here would rebuild OpenCV's core
     "${CONFIGURATION[@]}"
     -DBUILD_PERF_TESTS=ON -DOPENCV_BUILD_PERF_TEST_MODULES_LIST=surgtrack
-    -DBUILD_opencv_python2=OFF -DBUILD_JAVA=OFF -DBUILD_DOCS=OFF -DBUILD_opencv_apps=OFF -DENABLE_PRECOMPILED_HEADERS=OFF -DWITH_FFMPEG=ON)
-  for off in ADE IPP ITT QUIRC OPENCL PROTOBUF CUDA 1394 GSTREAMER GTK QT LAPACK TIFF WEBP OPENJPEG JASPER OPENEXR GDAL \
-    VA VA_INTEL V4L EIGEN VTK; do
+    -DBUILD_opencv_python2=OFF -DBUILD_JAVA=OFF -DBUILD_DOCS=OFF -DBUILD_opencv_apps=OFF -DENABLE_PRECOMPILED_HEADERS=OFF -DWITH_FFMPEG=ON
+    -DVIDEOIO_PLUGIN_LIST=ffmpeg)   # loaded when a video is opened: FFmpeg brings a hundred libraries along
+  for off in "${WITHOUT[@]}"; do
     options+=("-DWITH_$off=OFF")
   done
   # Without AVX2 OpenCV's own default: a program built for AVX2 does not start on an older processor.
