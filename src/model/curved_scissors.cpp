@@ -52,6 +52,26 @@ Ptr<ToolModel> ToolModel::curvedScissors()
             tool.meshes[tool.links[i].mesh] = drawBlade(side);
             tool.links[i].name = side < 0 ? "blade_right" : "blade_left";
         }
+    // As chooseKeypoints() took them from this shape: link, place, score.
+    const struct { int link; Point3d place; double score; } points[] = {
+        { 3, Point3d(1.31, 3.67, -13.50), 0.96 }, { 3, Point3d(-3.79, -1.79, -13.20), 0.96 }, { 3, Point3d(-3.11, 2.82, -9.50), 0.93 },
+        { 3, Point3d(-2.70, -2.90, -2.14), 1.00 }, { 3, Point3d(2.70, -2.90, -9.29), 0.97 }, { 3, Point3d(-2.69, -2.90, 0.19), 1.00 },
+        { 3, Point3d(-1.29, -3.99, 2.36), 1.00 }, { 3, Point3d(-2.16, 3.60, 1.61), 1.00 }, { 3, Point3d(4.19, 0.23, -11.56), 0.92 },
+        { 3, Point3d(2.80, 3.12, -11.56), 0.88 }, { 3, Point3d(-3.96, 1.39, -11.56), 0.96 }, { 3, Point3d(1.56, -3.90, -11.56), 0.92 },
+        { 4, Point3d(3.23, 3.00, 2.73), 1.00 }, { 4, Point3d(5.35, -2.40, 3.70), 0.97 }, { 4, Point3d(3.40, -0.60, -3.70), 1.00 },
+        { 4, Point3d(5.35, 3.00, -3.10), 1.00 }, { 4, Point3d(6.00, 3.00, 0.00), 1.00 }, { 4, Point3d(6.00, 2.70, 3.40), 1.00 },
+        { 4, Point3d(5.79, -3.08, 0.01), 1.00 }, { 6, Point3d(-1.87, 3.80, -0.81), 0.91 }, { 6, Point3d(-0.75, 14.07, 2.83), 0.77 },
+        { 7, Point3d(1.11, 6.37, -0.95), 0.83 }, { 7, Point3d(0.98, 8.08, 2.00), 0.76 }, { 7, Point3d(0.52, 14.07, 3.05), 0.76 } };
+    std::vector<int> number(tool.links.size(), 0);
+    for (size_t i = 0; i < sizeof(points) / sizeof(points[0]); ++i)
+    {
+        Keypoint keypoint;
+        keypoint.link = points[i].link;
+        keypoint.name = tool.links[keypoint.link].name + format("_%d", ++number[keypoint.link]);
+        keypoint.linkPoint = points[i].place * 1e-3;
+        keypoint.score = points[i].score;
+        tool.keypoints.push_back(keypoint);
+    }
     tool.link_T_endEffector(1, 3) = YAW_TO_TIP * 1e-3;
     tool.link_T_endEffector(2, 3) = BEND * 1e-3;
     return create(tool);
