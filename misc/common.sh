@@ -30,7 +30,7 @@ WITHOUT=(ADE IPP ITT QUIRC OPENCL PROTOBUF CUDA 1394 GSTREAMER GTK QT LAPACK TIF
 # What Debian 12 needs. assimp and meshoptimizer read and thin out meshes, nlohmann-json3 and urdfdom read robots' files; VTK draws by OpenGL,
 # the last two let it do so without a display; xvfb and xauth test it with one.
 PACKAGES=(build-essential dpkg-dev cmake ninja-build ccache libvtk9-dev libeigen3-dev
-  libassimp-dev libmeshoptimizer-dev  nlohmann-json3-dev liburdfdom-dev libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libjpeg-dev libpng-dev zlib1g-dev
+  libassimp-dev libmeshoptimizer-dev nlohmann-json3-dev liburdfdom-dev libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libjpeg-dev libpng-dev zlib1g-dev
   python3-dev python3-numpy xvfb xauth libegl1 libgl1-mesa-dri)
 
 step() { printf '\n== %s\n' "$*"; }

@@ -258,6 +258,9 @@ private:
         const String fault = common::unitFault(model, joints);
         if (!fault.empty())
             common::fail(in_[0] + ": " + fault);
+        const String limit = common::limitFault(model, joints);
+        if (!limit.empty())
+            std::fprintf(stderr, "import: warning: %s: %s\n", in_[0].c_str(), limit.c_str());
         writeSequenceJoints(folder, tool, model.coordinateNames(), times, joints);
         if (!text("hand-eye").empty())
             writeSequenceTool(folder, tool, putModel(model, filename, folder), importHandEye(text("hand-eye")));

@@ -69,6 +69,9 @@ private:
             say(t.info.model + ": " + size);
         if (!fault.empty())
             return say(sequence_.kinematicsFile() + ": tool '" + name + "': " + fault);
+        const std::string limit = limitFault(*t.model, joints);
+        if (!limit.empty())
+            say(sequence_.kinematicsFile() + ": tool '" + name + "': " + limit);
         const cv::Matx44d& T = t.info.nominal_T_base;
         const double seen = share(*t.model, T, joints), enough = 0.5;
         if (seen >= enough)

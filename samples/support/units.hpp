@@ -33,6 +33,27 @@ inline std::string unitFault(const cv::surgtrack::ToolModel& model, const cv::Ma
     return std::string();
 }
 
+/** Which coordinate is read far outside of its joint's limits, in one line; empty: none. Offsets of a worn cable, and jaws that are pressed together,
+stay within the slack. */
+inline std::string limitFault(const cv::surgtrack::ToolModel& model, const cv::Mat& joints)
+{
+    using cv::surgtrack::ToolModel;
+    const cv::Mat_<double> limits = model.jointLimits();
+    for (int c = 0; c < limits.rows && c < joints.cols; c++)
+    {
+        bool slides = true;
+        for (size_t i = 0; i < model.links().size(); i++)
+            slides = slides && (model.links()[i].coordinate != c || model.links()[i].jointType == ToolModel::JOINT_PRISMATIC);
+        const double slack = slides ? 0.02 : 0.4;   // [m, rad]
+        double low, high;
+        cv::minMaxIdx(joints.col(c), &low, &high);
+        if (low < limits(c, 0) - slack || high > limits(c, 1) + slack)
+            return cv::format("coordinate %s is read from %.4g to %.4g, its joint goes from %.4g to %.4g: is it the joint's column, and has it the same zero and sign?",
+                              model.coordinateNames()[c].c_str(), low, high, limits(c, 0), limits(c, 1));
+    }
+    return std::string();
+}
+
 } // namespace common
 
 #endif
