@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "lab/import/import_tool.hpp"
+#include "lab/import/urdf_path.hpp"
 #include "lab/import/urdf_shape.hpp"
 #include <map>
 #include <regex>
@@ -12,8 +13,6 @@
 #include <console_bridge/console.h>
 #include <urdf_parser/urdf_parser.h>
 #endif
-
-#include "opencv2/core/utils/filesystem.hpp"
 
 // importUrdfTool(): an expanded URDF.
 
@@ -255,41 +254,6 @@ private:
         }
     }
 
-    String resolve(const String& name) const
-    {
-        if (name.compare(0, 7, "file://") == 0)
-            return name.substr(7);
-        if (name.compare(0, 10, "package://") != 0)
-            return name[0] == '/' ? name : utils::fs::join(utils::fs::getParent(filename_), name);
-        const String rest = name.substr(10);
-        if (!parts_.packages.empty())
-        {
-            const String found = inPackage(parts_.packages, rest);
-            return found.empty() ? utils::fs::join(parts_.packages, rest) : found;
-        }
-        // Without it: where the URDF is, or above that, as packages have it.
-        for (String folder = utils::fs::canonical(utils::fs::getParent(utils::fs::canonical(filename_))), last; folder != last && !folder.empty();)
-        {
-            const String found = inPackage(folder, rest);
-            if (!found.empty())
-                return found;
-            last = folder;
-            folder = utils::fs::getParent(folder);
-        }
-        fail("mesh `" + name + "`: is neither beside the file nor above it, expected the folder of the package to be given (packages)", Error::StsObjectNotFound);
-    }
-
-    //! NAME/... or ... in a folder; empty if it is not there.
-    static String inPackage(const String& folder, const String& rest)
-    {
-        const String whole = utils::fs::join(folder, rest);
-        const size_t slash = rest.find('/');
-        if (utils::fs::exists(whole) || slash == String::npos)
-            return utils::fs::exists(whole) ? whole : String();
-        const String inside = utils::fs::join(folder, rest.substr(slash + 1));
-        return utils::fs::exists(inside) ? inside : String();
-    }
-
     void addMeshes(const urdf::Link& link, int index)
     {
         if (replaced_.count(link.name))
@@ -309,7 +273,7 @@ private:
             try
             {
                 const Vec3d scale(mesh.scale.x, mesh.scale.y, mesh.scale.z);
-                append(loadScaled(resolve(mesh.filename), scale, toTransform(visual.origin)), all);
+                append(loadScaled(urdfMeshPath(filename_, parts_.packages, mesh.filename), scale, toTransform(visual.origin)), all);
                 frames_[index].push_back(toTransform(visual.origin) * Matx44d::diag(Matx41d(scale[0], scale[1], scale[2], 1)));
             }
             catch (const Exception& e)
