@@ -17,6 +17,8 @@ const double SPACING = 0.0015;      // of candidates [m]
 const double APART = 0.0022;        // of keypoints [m]: a fifth of a template's box; nearer ones are found and missed together
 const double SHAFT = 0.012;         // how much of the shaft belongs to it [m]: a template's box, and a little
 const double CREASE = 35 * CV_PI / 180;   // sharper edges of a mesh are drawn as edges [rad]
+const int MOST = 200000;            // triangles: beyond it drawing takes too long
+const double CLEARLY = 1.001;       // halves of a tool are mirror images: the first of two alike, not the one that rounding prefers
 const int LEAST = 6;                // from every side: as many as geometric context needs to tell good from bad
 const double RELIABLE = 0.75;       // a point found less often says something wrong too often: 0.75 and 0.9 are alike in scenes of other seeds than the tests'
 const double SIGMA = 0.7;           // error of a match in any case: places are whole pixels, edges are blurred [pixel]
@@ -84,7 +86,8 @@ private:
 
     void add(const Point3d& p)
     {
-        const Vec3i cell(cvFloor(p.x / SPACING), cvFloor(p.y / SPACING), cvFloor(p.z / SPACING));
+        // Many points of a tool lie in planes of symmetry, at 0 but for rounding: no border of cells runs there.
+        const Vec3i cell(cvFloor(p.x / SPACING + 0.37), cvFloor(p.y / SPACING + 0.37), cvFloor(p.z / SPACING + 0.37));
         const int64 key = ((int64)(cell[0] + 100000) * 200000 + cell[1] + 100000) * 200000 + cell[2] + 100000;
         if (isNear(Point3f(p)) && cells_.insert(std::make_pair(key, 0)).second)
             found.push_back(p);
@@ -208,7 +211,7 @@ public:
             double gain = 0;
             for (int v = picture < 0 ? 0 : picture; v < (picture < 0 ? (int)sightings_.size() : picture + 1); v++)
                 gain += told(v, c);
-            if (gain > most)
+            if (gain > most * CLEARLY)
             {
                 most = gain;
                 best = c;
@@ -303,10 +306,10 @@ Ptr<ToolModel> chooseKeypoints(const Ptr<ToolModel>& model, int count)
     CV_CheckGE(count, LEAST, "count: of keypoints");
     if (model->meshes().empty())
         CV_Error(Error::StsBadArg, "tool '" + model->name() + "': expected meshes to choose keypoints on");
-    // On the shape that is tracked: the same keypoints however fine the files were.
-    const Ptr<ToolModel> tracked = simplified(model, 20000);
-    const ToolMotion motion(*tracked);
-    Ptr<ToolModel> all = withCandidates(*tracked, motion);
+    // On the shape as it came: what decimation leaves hangs on the last digit of the numbers, and so on the unit of the files.
+    const Ptr<ToolModel> shape = simplified(model, MOST);
+    const ToolMotion motion(*shape);
+    Ptr<ToolModel> all = withCandidates(*shape, motion);
 
     // First a few pictures: most candidates are inside, or nothing to be found again.
     std::vector<int> kept;

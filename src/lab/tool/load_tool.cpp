@@ -38,18 +38,19 @@ static bool isUrdf(const String& filename)
 Ptr<ToolModel> loadTool(const String& filename, int maxTriangles)
 {
     CV_CheckGE(maxTriangles, 0, "maxTriangles: 0 keeps all");
-    const Ptr<ToolModel> model = isUrdf(filename) ? simplified(importUrdfTool(filename), maxTriangles) : ToolModel::load(filename, maxTriangles);
+    const bool urdf = isUrdf(filename);
+    const Ptr<ToolModel> model = urdf ? importUrdfTool(filename) : ToolModel::load(filename, maxTriangles);
     if (!model->keypoints().empty() || model->meshes().empty())
-        return model;
+        return simplified(model, maxTriangles);
     try
     {
-        return chooseKeypoints(model);
+        return simplified(chooseKeypoints(urdf ? model : ToolModel::load(filename, 0)), maxTriangles);
     }
     catch (const Exception& e)
     {
         if (e.code != Error::StsObjectNotFound)
             throw;
-        return model;   // nothing to be found: checkTool() says why
+        return simplified(model, maxTriangles);   // nothing to be found: checkTool() says why
     }
 }
 
