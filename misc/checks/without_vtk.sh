@@ -3,10 +3,10 @@
 
 # says_without_vtk DIR: the configuration says what the module is without, and leaves the wing of VTK out.
 says_without_vtk() {
-  # shellcheck disable=SC2046
+  local off=("${WITHOUT[@]/#/-DWITH_}")
   rm -rf "$1"
   cmake -G Ninja -S "$OPENCV_SOURCE" -B "$1" "-DOPENCV_EXTRA_MODULES_PATH=$REPO" -DBUILD_LIST=surgtrack -DBUILD_TESTS=OFF -DBUILD_PERF_TESTS=OFF \
-    $(printf -- "-DWITH_%s=OFF " "${WITHOUT[@]}") -DCMAKE_DISABLE_FIND_PACKAGE_VTK=ON "-DOPENCV_DOWNLOAD_PATH=$BUILD_DIR/.cache" >"$1.log" 2>&1 || return 1
+    "${off[@]/%/=OFF}" -DCMAKE_DISABLE_FIND_PACKAGE_VTK=ON "-DOPENCV_DOWNLOAD_PATH=$BUILD_DIR/.cache" >"$1.log" 2>&1 || return 1
   grep -q 'opencv_surgtrack: without MeshRenderer::createVTK() and SceneView' "$1.log" &&
     grep -q 'src/vtk/without_vtk.cpp' "$1/build.ninja" && ! grep -q 'src/vtk/scene_view.cpp' "$1/build.ninja"
 }
