@@ -27,10 +27,13 @@ CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO"
   -DBUILD_TESTS=ON -DOPENCV_BUILD_TEST_MODULES_LIST=surgtrack
   -DBUILD_opencv_python3=ON "-DPYTHON3_EXECUTABLE=$PYTHON")
 
-# What Debian 12 needs. nlohmann-json3 and urdfdom read robots' files; GTK shows windows; the last two let VTK render without a display;
-# xvfb and xauth test it with one.
+# Parts of OpenCV that nothing here uses.
+WITHOUT=(ADE IPP ITT QUIRC OPENCL PROTOBUF CUDA 1394 GSTREAMER LAPACK TIFF WEBP OPENJPEG JASPER OPENEXR GDAL VA VA_INTEL EIGEN VTK)
+
+# What Debian 12 needs. assimp and meshoptimizer read and thin out meshes, nlohmann-json3 and urdfdom read robots' files; GTK shows windows;
+# VTK draws by OpenGL, the last two let it do so without a display; xvfb and xauth test it with one.
 PACKAGES=(build-essential dpkg-dev cmake ninja-build ccache libvtk9-dev libeigen3-dev
-  nlohmann-json3-dev liburdfdom-dev libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libjpeg-dev libpng-dev zlib1g-dev
+  libassimp-dev libmeshoptimizer-dev nlohmann-json3-dev liburdfdom-dev libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libjpeg-dev libpng-dev zlib1g-dev
   libgtk-3-dev python3-dev python3-numpy xvfb xauth libegl1 libgl1-mesa-dri)
 
 step() { printf '\n== %s\n' "$*"; }
@@ -217,9 +220,9 @@ configure() {
     -DOPENCV_VCSVERSION=unknown -DBUILD_INFO_SKIP_EXTRA_MODULES=ON   # else each commit here would rebuild OpenCV's core
     "${CONFIGURATION[@]}"
     -DBUILD_PERF_TESTS=ON -DOPENCV_BUILD_PERF_TEST_MODULES_LIST=surgtrack
-    -DBUILD_opencv_python2=OFF -DBUILD_JAVA=OFF -DBUILD_DOCS=OFF -DBUILD_opencv_apps=OFF -DENABLE_PRECOMPILED_HEADERS=OFF -DWITH_FFMPEG=ON)
-  for off in ADE IPP ITT QUIRC OPENCL PROTOBUF CUDA 1394 GSTREAMER LAPACK TIFF WEBP OPENJPEG JASPER OPENEXR GDAL \
-    VA VA_INTEL EIGEN VTK; do
+    -DBUILD_opencv_python2=OFF -DBUILD_JAVA=OFF -DBUILD_DOCS=OFF -DBUILD_opencv_apps=OFF -DENABLE_PRECOMPILED_HEADERS=OFF -DWITH_FFMPEG=ON
+    -DVIDEOIO_PLUGIN_LIST=ffmpeg)   # loaded when a video is opened: FFmpeg brings a hundred libraries along
+  for off in "${WITHOUT[@]}"; do
     options+=("-DWITH_$off=OFF")
   done
   # Cameras and a window for `live`, where the system has them. Not Qt: OpenCV 4.6 does not compile with it unless OpenGL is on, too.
@@ -255,7 +258,7 @@ configure() {
   cached=";$(sed -n 's/^OPENCV_MODULES_BUILD:INTERNAL=//p' "$BUILD_DIR/CMakeCache.txt");"
   if [[ "$cached" != *";opencv_surgtrack;"* ]]; then
     grep 'opencv_surgtrack disabled' "$log" >&2 || true
-    die "the module is disabled: VTK 9 and Eigen 3.3 are needed (log: $log)"
+    die "the module is disabled: Eigen 3.3, assimp and meshoptimizer are needed (log: $log)"
   fi
   [[ "$cached" == *";opencv_python3;"* || " ${CONFIGURATION[*]} " == *" -DBUILD_opencv_python3=OFF "* ]] ||
     die "OpenCV's Python bindings are unavailable: $PYTHON needs its headers and numpy (log: $log)"

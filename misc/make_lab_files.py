@@ -115,7 +115,8 @@ def write_urdf(meshes, folder):
         for joint, parent, child, xyz, rpy, more in ARM_JOINTS:
             kind = "fixed" if child == "tool_tip_link" else "prismatic" if child == "insertion" else "revolute"
             urdf.write('  <joint name="%s" type="%s"><parent link="%s"/><child link="%s"/><origin xyz="%s" rpy="%s"/><axis xyz="0 0 1"/>'
-                       '<limit lower="-4" upper="4" effort="1" velocity="1"/>%s</joint>\n' % (joint, kind, parent, child, xyz, rpy, more))
+                       '<limit lower="%g" upper="%g" effort="1" velocity="1"/>%s</joint>\n'
+                       % ((joint, kind, parent, child, xyz, rpy) + ((0, 0.24) if kind == "prismatic" else (-4, 4)) + (more,)))
         urdf.write("</robot>\n")
     for i in range(4):
         shutil.copy(os.path.join(meshes, "needle_driver_%d.ply" % i), folder)

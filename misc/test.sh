@@ -155,7 +155,7 @@ while v.read()[0]:
 assert n == int(sys.argv[2]), "%d frames" % n' "$1" "$2"
 }
 
-for checks in wings evaluation cluster python_docs stereo rig import look handeye live manners docs; do
+for checks in wings without_vtk evaluation cluster python_docs stereo rig import look handeye live manners docs; do
   # shellcheck source=/dev/null
   source "$REPO/misc/checks/$checks.sh"
 done
@@ -190,6 +190,7 @@ run_samples() {
   sample "plot_performance.py" "$PYTHON" "$REPO/samples/plot_performance.py" "$LOGS/perf.xml" --markdown="$work/performance.md"
   sample "its table" grep -q 'Tools Tracker update' "$work/performance.md"
   run_wings "$work"
+  run_without_vtk "$work"
   run_evaluation "$work"
   run_cluster "$work"
   run_python_docs "$work"

@@ -18,16 +18,16 @@ namespace {
 
 const char* const KEYS =
     "{ help h       |      | print this }"
-    "{ from         |      | format of the files: dvrk, urdf (tools); camera_info, opencv_stereo, surgpose (cameras); joints_csv, surgpose_joints "
+    "{ from         |      | format of the files: dvrk, urdf, tool (tools; tool: a tool file, for other keypoints); camera_info, opencv_stereo, surgpose (cameras); joints_csv, surgpose_joints "
     "(joint readings); daVinciToolTrack (a recording: joints, hand-eye and cameras); endovis15, surgpose_keypoints (labels) }"
     "{ in           |      | the files, separated by commas }"
-    "{ out          |      | dvrk, urdf: tool file to write, YAML, its meshes beside it; labels: keypoints.csv to write }"
+    "{ out          |      | tools: tool file to write, YAML, its meshes beside it; labels: keypoints.csv to write }"
     "{ into         |      | cameras, joints, recordings: folder of the sequence to write into; is made if it does not exist }"
     "{ like         |      | tools: a tool file to take meshes, keypoints, jaws and the reported point from }"
     "{ meshes       |      | tools: mesh files LINK:FILE, separated by commas }"
     "{ mesh-scale   | 1    | tools: metres per unit of --meshes, 0.001 for millimetres }"
     "{ mesh-axes    | link | dvrk: axes of --meshes: link, or tool (those of tooltip_offset, as in dvrk_model) }"
-    "{ keypoints    |      | tools: CSV file name,link,x,y,z of keypoints as picked in the meshes; labels: LABEL:KEYPOINT, separated by commas }"
+    "{ keypoints    |      | tools: CSV file name,link,x,y,z of keypoints as picked in the meshes, or auto[:N]: N chosen where matching finds them, as is done if the tool has none; labels: LABEL:KEYPOINT, separated by commas }"
     "{ packages     |      | urdf: folder in which package:// is looked for }"
     "{ base         |      | urdf: link to take for the arm's base; without it the root }"
     "{ end-effector |      | urdf: link whose pose is reported }"
@@ -66,7 +66,7 @@ public:
     void run()
     {
         const String from = needed("from", "FORMAT");
-        if (from == "dvrk" || from == "urdf")
+        if (from == "dvrk" || from == "urdf" || from == "tool")
             importTool(from);
         else if (from == "camera_info" || from == "opencv_stereo" || from == "surgpose")
             importCameras(from);
@@ -79,7 +79,7 @@ public:
         else if (from == "endovis15" || from == "surgpose_keypoints")
             importLabels(from);
         else
-            common::fail("argument '--from=" + from + "': expected dvrk, urdf, camera_info, opencv_stereo, surgpose, joints_csv, "
+            common::fail("argument '--from=" + from + "': expected dvrk, urdf, tool, camera_info, opencv_stereo, surgpose, joints_csv, "
                          "surgpose_joints, daVinciToolTrack, endovis15 or surgpose_keypoints");
     }
 
@@ -112,6 +112,22 @@ private:
             std::printf("%s\n", line.c_str());
     }
 
+    //! @param count auto or auto:N @param needed none are an error
+    Ptr<ToolModel> withKeypoints(const Ptr<ToolModel>& model, const String& count, bool needed) const
+    {
+        try
+        {
+            return chooseKeypoints(model, count.size() > 5 ? std::atoi(count.c_str() + 5) : 24);
+        }
+        catch (const cv::Exception& e)
+        {
+            if (needed || e.code != Error::StsObjectNotFound)
+                throw;
+            say(e.err);
+            return model;
+        }
+    }
+
     void importTool(const String& from) const
     {
         const String out = needed("out", "TOOL.yaml"), axes = text("mesh-axes");
@@ -126,17 +142,21 @@ private:
         parts.packages = text("packages");
         parts.base = text("base");
         parts.endEffector = text("end-effector");
-        const Ptr<ToolModel> model = from == "dvrk" ? importDvrkTool(files(), parts) : importUrdfTool(oneFile(), parts);
+        Ptr<ToolModel> model = from == "dvrk" ? importDvrkTool(files(), parts) : from == "urdf" ? importUrdfTool(oneFile(), parts) : ToolModel::load(oneFile(), 0);
+        const bool asked = parts.keypoints.compare(0, 4, "auto") == 0;
+        if ((asked && from == "tool") || (model->keypoints().empty() && !model->meshes().empty()))
+            model = withKeypoints(model, asked ? parts.keypoints : String("auto"), asked);
         model->save(out);
         size_t triangles = 0;
         for (size_t i = 0; i < model->meshes().size(); i++)
             triangles += model->meshes()[i].triangles.size();
         say(format("%s: %d links, %d coordinates, %d meshes with %d triangles, %d keypoints", out.c_str(), (int)model->links().size(),
                    (int)model->coordinateNames().size(), (int)model->meshes().size(), (int)triangles, (int)model->keypoints().size()));
+        const std::vector<String> findings = checkTool(model);
+        for (size_t i = 0; i < findings.size(); i++)
+            say(out + ": " + findings[i]);
         if (model->meshes().empty())
-            say("no meshes: it needs some to be tracked, see --meshes and --like");
-        if (model->keypoints().size() < 6)
-            say("less than 6 keypoints: it needs more to be tracked, see --keypoints and --like");
+            say("meshes and keypoints are given by --meshes, --keypoints and --like");
     }
 
     //! The absolute path of a file, or of a pattern of files as img/%05d.png.
@@ -207,7 +227,9 @@ private:
     //! Copies the tool file into the sequence. @return its path there
     static String putModel(const ToolModel& model, const String& filename, const String& folder)
     {
-        const String name = "tool/" + filename.substr(filename.find_last_of("/\\") + 1), tools = utils::fs::join(folder, "tool");
+        const String base = filename.substr(filename.find_last_of("/\\") + 1), stem = base.substr(0, base.rfind('.'));
+        const bool urdf = base.size() > 5 && base.substr(base.size() - 5) == ".urdf";
+        const String name = "tool/" + (urdf ? stem + ".yaml" : base), tools = utils::fs::join(folder, "tool");
         if (!utils::fs::createDirectories(tools))
             common::fail(tools + ": the folder can't be made");
         model.save(utils::fs::join(folder, name));
@@ -218,7 +240,7 @@ private:
     {
         needed("into", "DIR");
         needed("tool", "NAME");
-        const Ptr<ToolModel> model = ToolModel::load(needed("model", "TOOL.yaml"), 0);
+        const Ptr<ToolModel> model = loadTool(needed("model", "TOOL.yaml"), 0);
         std::vector<double> times;
         Mat joints;
         importJoints(files(), model->coordinateNames(), times, joints, split(text("columns")));
@@ -243,7 +265,7 @@ private:
 
     void importSurgPose() const
     {
-        const Ptr<ToolModel> model = ToolModel::load(needed("model", "TOOL.yaml"), 0);
+        const Ptr<ToolModel> model = loadTool(needed("model", "TOOL.yaml"), 0);
         const double jaw = text("jaw").empty() ? 0 : common::number(parser_, "jaw", -7, 7);
         needed("fps", "NUMBER");
         const double fps = common::number(parser_, "fps", 1e-3, 1e5);
@@ -270,7 +292,7 @@ private:
     void importRecording() const
     {
         const String folder = needed("into", "DIR"), source = oneFile(), filename = needed("model", "TOOL.yaml");
-        const Ptr<ToolModel> model = ToolModel::load(filename, 0);
+        const Ptr<ToolModel> model = loadTool(filename, 0);
         const String handEye = fileOf(source, "*handeye_data.xml");
         const double fps = putCameras(importOpenCVCameras(std::vector<String>(1, fileOf(source, "*camera_data.xml")), 1e-3));
         if (!(fps > 0))

@@ -7,6 +7,7 @@
 #include "opencv2/surgtrack.hpp"
 #include "opencv2/surgtrack/lab.hpp"
 #include "support/common.hpp"
+#include "support/tools.hpp"
 
 using namespace cv;
 using namespace cv::surgtrack;
@@ -14,7 +15,7 @@ using namespace cv::surgtrack;
 static const char* const KEYS =
     "{ help h           |     | print this }"
     "{ out              |     | folder to write; is made if it does not exist }"
-    "{ tool             |     | tool file; without it the built-in needle driver }"
+    "{ tool             |     | tool file or URDF, or one of the built-in tools: needle_driver, which it is without this, curved_scissors }"
     "{ tools            | 1   | number of tools, 1 to 4 }"
     "{ frames           | 100 | number of frames }"
     "{ seed             | 1   | all that is random follows from it }"
@@ -47,7 +48,7 @@ static int make(const CommandLineParser& parser)
     params.jointNoise = common::number(parser, "joint-noise", 0, 100);
     params.imageNoise = common::number(parser, "image-noise", 0, 100);
 
-    const Ptr<ToolModel> model = tool.empty() ? ToolModel::needleDriver() : ToolModel::load(tool);
+    const Ptr<ToolModel> model = common::anyTool(tool.empty() ? String("needle_driver") : tool);
     SyntheticScene::create(model, params)->write(folder);
     if (!parser.has("quiet"))
         std::printf("%s: %d frames of %dx%d, %d tool%s (%s)\n", folder.c_str(), params.frames, params.imageSize.width,

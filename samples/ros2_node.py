@@ -135,7 +135,7 @@ class ToolNode:
     def __init__(self, setup, time_offset, publish, warn):
         self.publish, self.warn, self.time_offset = publish, warn, time_offset
         self.tools = [setup.tool(i) for i in range(setup.toolCount())]
-        self.models = [st.ToolModel.load(tool.model) for tool in self.tools]
+        self.models = [st.loadTool(tool.model) for tool in self.tools]
         self.buffers = {t.name: st.JointBuffer.create(m.coordinateNames()) for t, m in zip(self.tools, self.models)}
         self.tracker = self.pending = self.last = None
         self.frames = self.dropped = 0

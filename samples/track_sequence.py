@@ -113,7 +113,7 @@ class Run:
         for i in range(self.sequence.toolCount()):
             info = self.sequence.tool(i)
             if info.model not in models:
-                models[info.model] = st.ToolModel.load(info.model)
+                models[info.model] = st.loadTool(info.model)
             self.tracker.addTool(models[info.model], info.nominal_T_base)
             self.tools.append(Tool(info, models[info.model]))
         self.renderer = st.MeshRenderer.createSoftware()    # of the overlay

@@ -427,6 +427,45 @@ TEST_F(SurgTrack_ImportUrdf, meshesAreScaledMirroredAndPlaced)
     }
 }
 
+TEST_F(SurgTrack_ImportUrdf, keypointsAreInTheAxesOfTheMeshFile)
+{
+    put("peak.obj", TETRAHEDRON);
+    const String visual = "<link name=\"l2\"><visual><origin xyz=\"0.1 0 0\" rpy=\"0 0 1.570796\"/><geometry><mesh filename=\"peak.obj\" "
+                          "scale=\"0.1 -0.2 0.3\"/></geometry></visual></link>";
+    const String text = replaced(urdf(crane()), "<link name=\"l2\"/>", visual);
+    ToolParts parts;
+    parts.keypoints = put("points.csv", "name,link,x,y,z\npeak,l2,0,0,4\nside,l2,0,2,0\n");
+    const Ptr<ToolModel> model = load(text, parts);
+    ASSERT_EQ(2u, model->keypoints().size());
+    EXPECT_LT(cv::norm(model->keypoints()[0].linkPoint - Point3d(0.1, 0, 1.2)), 1e-9);   // rounding
+    EXPECT_LT(cv::norm(model->keypoints()[1].linkPoint - Point3d(0.5, 0, 0)), 1e-9);
+    parts.keypoints = put("off.csv", "name,link,x,y,z\npeak,l2,0,0,4.01\n");   // 3 mm after the scale
+    EXPECT_ERROR(importUrdfTool(path("tool.urdf"), parts), "keypoint `peak` is 3 mm off the surface of link `l2`");
+    parts.keypoints = "auto:x";
+    EXPECT_ERROR(importUrdfTool(path("tool.urdf"), parts), "auto:N");
+}
+
+TEST_F(SurgTrack_ImportUrdf, limitsOfJointsAreKept)
+{
+    std::vector<Joint> joints = crane();
+    joints[1].mimic = "";
+    const Mat_<double> limits = load(replaced(urdf(joints), "lower=\"-3\" upper=\"3\"", "lower=\"-0.5\" upper=\"0.7\""))->jointLimits();
+    EXPECT_EQ(-0.5, limits(0, 0));
+    EXPECT_EQ(0.7, limits(0, 1));
+    EXPECT_EQ(3, limits(1, 1));
+    joints[0].type = "continuous";
+    EXPECT_EQ(DBL_MAX, Mat_<double>(load(urdf(joints))->jointLimits())(0, 1)) << "turns on and on";
+}
+
+TEST_F(SurgTrack_ImportUrdf, theEndEffectorNeedNotBeNamed)
+{
+    const String tip = "<link name=\"%s\"/><joint name=\"%s_joint\" type=\"fixed\"><parent link=\"l1\"/><child link=\"%s\"/></joint></robot>";
+    const String still = replaced(urdf(crane()), "</robot>", format(tip.c_str(), "peak", "peak", "peak"));
+    EXPECT_EQ("peak", load(still)->linkNames()[load(still)->endEffectorLink()]) << "the only end that no joint moves";
+    const String two = replaced(still, "</robot>", format(tip.c_str(), "tool_tip_link", "tool_tip_link", "tool_tip_link"));
+    EXPECT_EQ("tool_tip_link", load(two)->linkNames()[load(two)->endEffectorLink()]);
+}
+
 TEST_F(SurgTrack_ImportUrdf, packagesAreLookedForInAGivenFolder)
 {
     ASSERT_TRUE(cv::utils::fs::createDirectories(path("packages/cranes/meshes")));
@@ -434,6 +473,8 @@ TEST_F(SurgTrack_ImportUrdf, packagesAreLookedForInAGivenFolder)
     const String text = replaced(urdf(crane()), "<link name=\"l2\"/>",
         "<link name=\"l2\"><visual><geometry><mesh filename=\"package://cranes/meshes/peak.obj\"/></geometry></visual></link>");
     EXPECT_ERROR(load(text), "expected the folder of the package");
+    put("packages/cranes/tool.urdf", text);
+    EXPECT_EQ(1u, importUrdfTool(path("packages/cranes/tool.urdf"))->meshes().size()) << "in the folder above the URDF's";
     ToolParts parts;
     parts.packages = path("packages");
     EXPECT_EQ(1u, load(text, parts)->meshes().size());
@@ -531,8 +572,10 @@ TEST_F(SurgTrack_ImportUrdf, refusesWhatItCannotTake)
     expectError(replaced(text, "<axis xyz=\"1 0 0\"/>", "<axis xyz=\"1 0 0\"/><mimic joint=\"j8\"/>"), "mimic");
     expectError(replaced(text, "</robot>", ""), "URDF");
     expectError("<xacro/>", "URDF");
+    expectError(replaced(text, "<link name=\"l2\"/>", "<link name=\"l2\"/><xacro:tool/>"), "xacro FILE.xacro > FILE.urdf");
     expectError(replaced(text, "<link name=\"l2\"/>", "<link name=\"l2\"/><link name=\"l3\"/><joint name=\"j2\" type=\"fixed\">"
-                         "<parent link=\"l0\"/><child link=\"l3\"/></joint>"), "end effector");
+                         "<parent link=\"l0\"/><child link=\"l3\"/></joint><link name=\"l4\"/><joint name=\"j3\" type=\"fixed\">"
+                         "<parent link=\"l2\"/><child link=\"l4\"/></joint>"), "l4, l3; expected the end effector");
     EXPECT_ERROR(importUrdfTool(path("none.urdf")), "none.urdf");
 }
 

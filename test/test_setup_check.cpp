@@ -182,14 +182,10 @@ TEST_F(SurgTrack_SetupCheck, namesReadingsBeyondTheLimitsOfTheTool)
     limited.meshes = plain->meshes();
     limited.keypoints = plain->keypoints();
     limited.endEffectorLink = plain->endEffectorLink();
-    for (size_t i = 0; i < limited.links.size(); i++)   // q5 bends the wrist by less than 1 rad here
-        if (limited.links[i].coordinate == 4)
-        {
-            limited.links[i].lower = 2;
-            limited.links[i].upper = 3;
-        }
+    limited.limits.assign(limited.coordinates.size(), Vec2d(-DBL_MAX, DBL_MAX));
+    limited.limits[4] = Vec2d(2, 3);   // q5 bends the wrist by less than 1 rad here
     ToolModel::create(limited)->save(path("limited.yaml"));
-    EXPECT_EQ(3, ToolModel::load(path("limited.yaml"))->links()[4].upper);
+    EXPECT_EQ(3, ToolModel::load(path("limited.yaml"))->jointLimits().at<double>(4, 1));
     writeSequenceTool(folder, "PSM1", path("limited.yaml"), sound->tool(0).nominal_T_base);
     expectFinding(list("tool 'PSM1': coordinate q5", "its limits in the tool file are 2 and 3"));
 }

@@ -71,7 +71,14 @@ run_import() {
   sample "refused: no such format" refuses "--from=none" "$import" --from=none
   sample "refused: no file" refuses "$lab/none.json" "$import" --from=dvrk --in="$lab/none.json" --out="$out/never.yaml"
   sample "refused: no output" refuses "--out" "$import" --from=dvrk --in="$lab/PSM.json"
-  sample "refused: a package that is not there" refuses "package://crane/peak.obj" "$import" --from=urdf --in="$lab/crane.urdf" --out="$out/never.yaml"
+  mkdir -p "$out/alone"
+  cp "$lab/crane.urdf" "$out/alone/"
+  sample "refused: a package that is not there" refuses "package://crane/peak.obj" "$import" --from=urdf --in="$out/alone/crane.urdf" --out="$out/never.yaml"
+  sample "import: URDF, nothing picked" limited "$import" --from=urdf --in="$lab/driver.urdf" --end-effector=tool --out="$out/picked.yaml"
+  sample "tool: its sheet" limited "$BUILD_DIR/bin/example_surgtrack_tool" "$out/picked.yaml" --out="$out/sheet.png"
+  sample "make_sequence of it" limited "$BUILD_DIR/bin/example_surgtrack_make_sequence" --tool="$out/picked.yaml" --out="$out/picked" --frames=20
+  sample "tracking it" limited "$track" --sequence="$out/picked" --poses="$out/picked.csv" --quiet
+  sample "close to the truth" close_to_truth "$out/picked.csv" "$out/picked/groundtruth.csv"
   sample "refused: a video of another size" refuses "720x576" "$import" --from=surgpose --in="$lab/rig.ini" --left="$work/two/left.mp4" \
     --into="$work/rig"
   sample "import: stereo calibration of OpenCV" limited "$import" --from=opencv_stereo --in="$lab/stereo.yml" --image-size=720x576 --unit=mm \

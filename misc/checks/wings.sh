@@ -29,7 +29,7 @@ HEADERS = {   # of include/opencv2/surgtrack: whose they are
     'track': 'tool_tracker',
     'draw': 'draw',
     'vtk': 'scene_view',
-    'lab': 'synthetic hand_eye time_offset import live pose_score setup_check tracker_params lab',
+    'lab': 'synthetic hand_eye time_offset import tool_setup live pose_score setup_check tracker_params lab',
 }
 LONGEST = 400
 PUBLIC = 'opencv2/surgtrack/'

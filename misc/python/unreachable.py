@@ -21,6 +21,7 @@ CPP_ONLY = {
     'ToolModel.create': 'takes a Description: load() reads one from a file',
     'ToolModel.links': 'linkNames(), linkMesh() and linkPoses() have what Python needs of them',
     'ToolModel.keypoints': 'keypointNames() and keypointPositions() have what Python needs of them',
+    'ToolModel.description': 'a tool is described by its file',
     'ToolModel.forwardKinematics': 'linkPoses() is the same as an array',
     'Rendering.create': 'memory for a renderer, which is derived in C++',
     'TemplateFeature': 'PartTemplate.getFeatures() is all of them as an array',

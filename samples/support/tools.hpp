@@ -9,6 +9,7 @@
 
 #include <map>
 #include "opencv2/surgtrack.hpp"
+#include "opencv2/surgtrack/lab.hpp"
 
 namespace common {
 
@@ -18,6 +19,13 @@ struct Tool
     cv::Ptr<cv::surgtrack::ToolModel> model;
     int tracked;    // frames
 };
+
+//! A tool file, an URDF, or one of the built-in tools by its name.
+inline cv::Ptr<cv::surgtrack::ToolModel> anyTool(const cv::String& name)
+{
+    using cv::surgtrack::ToolModel;
+    return name == "needle_driver" ? ToolModel::needleDriver() : name == "curved_scissors" ? ToolModel::curvedScissors() : cv::surgtrack::loadTool(name);
+}
 
 //! Tools of the same file share their model.
 inline std::vector<Tool> loadTools(const cv::surgtrack::Sequence& sequence)
@@ -29,7 +37,7 @@ inline std::vector<Tool> loadTools(const cv::surgtrack::Sequence& sequence)
         const cv::surgtrack::SequenceTool info = sequence.tool(i);
         cv::Ptr<cv::surgtrack::ToolModel>& model = models[info.model];
         if (!model)
-            model = cv::surgtrack::ToolModel::load(info.model);
+            model = cv::surgtrack::loadTool(info.model);
         const Tool tool = { info, model, 0 };
         tools.push_back(tool);
     }

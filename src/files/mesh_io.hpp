@@ -14,7 +14,7 @@ namespace cv { namespace surgtrack {
 //! Reads and checks a mesh file: triangles, duplicate points merged, in the link's frame [m]; no normals yet.
 Mesh readMesh(const String& filename, double scale, const Matx44d& link_T_mesh);
 
-//! Quadric decimation to at most maxTriangles in all, with one measure of error for all meshes. Drops the normals.
+//! Quadric decimation to at most maxTriangles in all, with one measure of error for all meshes, whose points are merged. Drops the normals.
 void decimateMeshes(std::vector<Mesh>& meshes, int maxTriangles);
 
 //! Binary PLY, in the unit of the mesh.

@@ -47,7 +47,7 @@ ToolModel::Link parseLink(const NodeReader& node, const std::vector<String>& coo
     ToolModel::Link link;
     link.name = node["name"].text();
 
-    const NodeReader joint = node["joint"].map({ "type", "coordinate", "scale", "offset_deviation", "limits" });
+    const NodeReader joint = node["joint"].map({ "type", "coordinate", "scale", "offset_deviation" });
     const String type = joint["type"].text();
     link.jointType = type == "fixed" ? ToolModel::JOINT_FIXED : type == "revolute" ? ToolModel::JOINT_REVOLUTE : ToolModel::JOINT_PRISMATIC;
     if (type != JOINT_NAMES[link.jointType])
@@ -63,15 +63,6 @@ ToolModel::Link parseLink(const NodeReader& node, const std::vector<String>& coo
         link.offsetDeviation = joint["offset_deviation"].number();
         if (link.offsetDeviation < 0)
             joint["offset_deviation"].fail("expected a number of at least 0; without the key it is the default");
-    }
-
-    if (joint.has("limits"))
-    {
-        const std::vector<NodeReader> limits = joint["limits"].sequence();
-        if (limits.size() != 2 || !(limits[0].number() < limits[1].number()))
-            joint["limits"].fail("expected two numbers, the lower and the upper limit of the coordinate");
-        link.lower = limits[0].number();
-        link.upper = limits[1].number();
     }
 
     const NodeReader mdh = node["mdh"].map({ "alpha", "a", "theta", "d" });
@@ -163,6 +154,26 @@ void parseMeshes(const std::vector<NodeReader>& nodes, const std::vector<int>& o
     });
 }
 
+//! How far joints go; without lower or upper there is no limit on that side.
+void parseLimits(const NodeReader& root, ToolModel::Description& tool)
+{
+    if (!root.has("limits"))
+        return;
+    tool.limits.assign(tool.coordinates.size(), Vec2d(-DBL_MAX, DBL_MAX));
+    const std::vector<NodeReader> nodes = root["limits"].sequence();
+    for (size_t i = 0; i < nodes.size(); ++i)
+    {
+        nodes[i].map({ "coordinate", "lower", "upper" });
+        Vec2d& limits = tool.limits[knownName(nodes[i]["coordinate"], tool.coordinates, "a coordinate")];
+        if (nodes[i].has("lower"))
+            limits[0] = nodes[i]["lower"].number();
+        if (nodes[i].has("upper"))
+            limits[1] = nodes[i]["upper"].number();
+        if (!(limits[0] <= limits[1]))
+            nodes[i].fail(format("expected lower and upper in this order, found %g and %g", limits[0], limits[1]));
+    }
+}
+
 void parseLinks(const NodeReader& root, int maxTriangles, ToolModel::Description& tool)
 {
     const std::vector<NodeReader> nodes = root["links"].sequence();
@@ -192,7 +203,7 @@ void parseLinks(const NodeReader& root, int maxTriangles, ToolModel::Description
     std::vector<String> keypointNames;
     for (size_t i = 0; i < keypoints.size(); ++i)
     {
-        keypoints[i].map({ "name", "link", "position" });
+        keypoints[i].map({ "name", "link", "position", "score" });
         const NodeReader position = keypoints[i]["position"];
         const std::vector<NodeReader> xyz = position.sequence();
         if (xyz.size() != 3)
@@ -201,6 +212,10 @@ void parseLinks(const NodeReader& root, int maxTriangles, ToolModel::Description
         keypoint.name = newName(keypoints[i]["name"], keypointNames);
         keypoint.link = knownName(keypoints[i]["link"], names, "a link");
         keypoint.linkPoint = Point3d(xyz[0].number(), xyz[1].number(), xyz[2].number());
+        if (keypoints[i].has("score"))
+            keypoint.score = keypoints[i]["score"].number();
+        if (keypoints[i].has("score") && !(keypoint.score >= 0 && keypoint.score <= 1))
+            keypoints[i]["score"].fail("expected a number from 0 to 1");
         keypointNames.push_back(keypoint.name);
         tool.keypoints.push_back(keypoint);
     }
@@ -211,6 +226,23 @@ void parseLinks(const NodeReader& root, int maxTriangles, ToolModel::Description
     parseMeshes(nodes, order, scale, maxTriangles, tool);
 }
 
+void writeLimits(FileStorage& file, const ToolModel::Description& tool)
+{
+    if (tool.limits.empty())
+        return;
+    file << "limits" << "[";
+    for (size_t i = 0; i < tool.limits.size(); ++i)
+    {
+        file << "{:" << "coordinate" << tool.coordinates[i];
+        if (tool.limits[i][0] > -DBL_MAX)
+            file << "lower" << tool.limits[i][0];
+        if (tool.limits[i][1] < DBL_MAX)
+            file << "upper" << tool.limits[i][1];
+        file << "}";
+    }
+    file << "]";
+}
+
 } // namespace
 
 Ptr<ToolModel> ToolModel::load(const String& filename, int maxTriangles)
@@ -218,12 +250,13 @@ Ptr<ToolModel> ToolModel::load(const String& filename, int maxTriangles)
     CV_CheckGE(maxTriangles, 0, "maxTriangles: 0 keeps all");
     const FileStorage storage = openStorage(filename);
     const NodeReader root(filename, storage.root());
-    root.map({ "name", "coordinates", "mesh_scale", "links", "end_effector", "keypoints" });
+    root.map({ "name", "coordinates", "limits", "mesh_scale", "links", "end_effector", "keypoints" });
     Description tool;
     tool.name = root["name"].text();
     const std::vector<NodeReader> coordinates = root["coordinates"].sequence();
     for (size_t i = 0; i < coordinates.size(); ++i)
         tool.coordinates.push_back(newName(coordinates[i], tool.coordinates));
+    parseLimits(root, tool);
     parseLinks(root, maxTriangles, tool);
     return create(tool);
 }
@@ -244,7 +277,9 @@ void ToolModel::save(const String& filename) const
     file << "name" << description_.name << "coordinates" << "[:";
     for (size_t i = 0; i < description_.coordinates.size(); ++i)
         file << description_.coordinates[i];
-    file << "]" << "mesh_scale" << 1 << "links" << "[";
+    file << "]";
+    writeLimits(file, description_);
+    file << "mesh_scale" << 1 << "links" << "[";
     for (size_t i = 0; i < description_.links.size(); ++i)
     {
         const Link& link = description_.links[i];
@@ -254,8 +289,6 @@ void ToolModel::save(const String& filename) const
             file << "coordinate" << description_.coordinates[link.coordinate] << "scale" << link.scale;
         if (link.offsetDeviation >= 0)
             file << "offset_deviation" << link.offsetDeviation;
-        if (link.lower < link.upper)
-            file << "limits" << "[:" << link.lower << link.upper << "]";
         file << "}" << "mdh" << "{:" << "alpha" << link.alpha << "a" << link.a << "theta" << link.theta << "d" << link.d << "}";
         if (link.mesh >= 0)
             file << "mesh" << format("meshes/%s_%d.ply", stem.c_str(), link.mesh);
@@ -267,7 +300,10 @@ void ToolModel::save(const String& filename) const
     {
         const Keypoint& k = description_.keypoints[i];
         file << "{:" << "name" << k.name << "link" << description_.links[k.link].name << "position" << "[:";
-        file << k.linkPoint.x << k.linkPoint.y << k.linkPoint.z << "]" << "}";
+        file << k.linkPoint.x << k.linkPoint.y << k.linkPoint.z << "]";
+        if (k.score >= 0)
+            file << "score" << k.score;
+        file << "}";
     }
     file << "]";
 }

@@ -7,16 +7,14 @@
 
 #include "opencv2/surgtrack/tool_model.hpp"
 
-class vtkPolyData;
-
 namespace cv { namespace surgtrack {
 
-//! Merges duplicate points, makes the triangles' sense consistent (outward where the mesh is closed), and gives every vertex
+//! Makes points at the same place one, in the order triangles name them, and drops triangles with a point twice; drops the normals.
+void mergePoints(Mesh& mesh);
+
+//! Merges points, makes the triangles' sense consistent (outward where the mesh is closed), and gives every vertex
 //! one normal; vertices on creases are split.
 void computeNormals(Mesh& mesh);
-
-//! Takes vertices, triangles and, if there are any, normals; triangles with a vertex twice are dropped.
-void fromPolyData(vtkPolyData* data, Mesh& mesh);
 
 }} // namespace cv::surgtrack
 

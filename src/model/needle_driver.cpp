@@ -3,7 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-#include "model/mesh.hpp"
+#include "model/loft.hpp"
 
 // An 8 mm wristed needle driver, drawn from its dimensions. Lengths in this file are millimetres.
 //
@@ -22,92 +22,6 @@ const double FORK_INNER = 1.9, FORK_OUTER = 2.8, FORK_RADIUS = 2.9;         // i
 const double RELIEF = 0.25;                                                 // height and slope width of raised shapes
 const double PITCH_PIN_END = 4.5, YAW_PIN_END = 3.15;
 const double TOOTH_PITCH = 0.5, TOOTH_DEPTH = 0.2;
-
-// Solids are lofts: closed convex rings of equal size, in planes of constant w, joined and capped. Their (u, v, w) are the
-// link's axes turned cyclically, so that w is the axis wanted.
-typedef std::vector<Point3d> Ring;
-const Matx33d ALONG_X(0, 0, 1, 1, 0, 0, 0, 1, 0);   // (u, v, w) = (y, z, x)
-const Matx33d ALONG_Y(0, 1, 0, 0, 0, 1, 1, 0, 0);   // (u, v, w) = (z, x, y)
-const Matx33d ALONG_Z = Matx33d::eye();
-const Matx33d HALF_TURN_ABOUT_X(1, 0, 0, 0, -1, 0, 0, 0, -1);
-
-Ring circle(double radius, double w, Point2d centre = Point2d(), int corners = 32)
-{
-    Ring ring;
-    for (int i = 0; i < corners; ++i)
-    {
-        const double angle = CV_2PI * i / corners;
-        ring.push_back(Point3d(centre.x + radius * std::cos(angle), centre.y + radius * std::sin(angle), w));
-    }
-    return ring;
-}
-
-/* A rectangle about the line from p to q that extends by the margin on all sides. */
-Ring bar(Point2d p, Point2d q, double margin, double w)
-{
-    const Point2d along = (q - p) * (margin / norm(q - p)), across(-along.y, along.x);
-    const Point2d corners[] = { p - along - across, q + along - across, q + along + across, p - along + across };
-    Ring ring;
-    for (int i = 0; i < 4; ++i)
-        ring.push_back(Point3d(corners[i].x, corners[i].y, w));
-    return ring;
-}
-
-/* A rectangle with its corners cut. */
-Ring roundedRectangle(double halfU, double halfV, double cut, double w)
-{
-    const double u[] = { halfU, halfU, halfU - cut, cut - halfU, -halfU, -halfU, cut - halfU, halfU - cut };
-    const double v[] = { cut - halfV, halfV - cut, halfV, halfV, halfV - cut, cut - halfV, -halfV, -halfV };
-    Ring ring;
-    for (int i = 0; i < 8; ++i)
-        ring.push_back(Point3d(u[i], v[i], w));
-    return ring;
-}
-
-std::vector<Ring> cylinder(double radius, double w0, double w1, double chamfer, int corners = 32)
-{
-    const Point2d axis;
-    return { circle(radius - chamfer, w0, axis, corners), circle(radius, w0 + chamfer, axis, corners),
-             circle(radius, w1 - chamfer, axis, corners), circle(radius - chamfer, w1, axis, corners) };
-}
-
-/* The mesh of one link. */
-class LinkMesh
-{
-public:
-    void add(const std::vector<Ring>& rings, const Matx33d& axes)
-    {
-        Mesh solid;
-        const int n = (int)rings[0].size(), last = (int)rings.size() - 1;
-        for (size_t r = 0; r < rings.size(); ++r)
-            for (int i = 0; i < n; ++i)
-                solid.vertices.push_back(axes * rings[r][i] * 1e-3);
-        for (int r = 0; r < last; ++r)
-            for (int i = 0; i < n; ++i)
-            {
-                const int a = r * n + i, b = r * n + (i + 1) % n;
-                solid.triangles.push_back(Vec3i(a, b, b + n));
-                solid.triangles.push_back(Vec3i(a, b + n, a + n));
-            }
-        for (int i = 1; i + 1 < n; ++i)
-        {
-            solid.triangles.push_back(Vec3i(0, i + 1, i));
-            solid.triangles.push_back(Vec3i(last * n, last * n + i, last * n + i + 1));
-        }
-        // Each solid on its own: solids only overlap, and shading is not to blend across them.
-        computeNormals(solid);
-        const int offset = (int)mesh_.vertices.size();
-        mesh_.vertices.insert(mesh_.vertices.end(), solid.vertices.begin(), solid.vertices.end());
-        mesh_.normals.insert(mesh_.normals.end(), solid.normals.begin(), solid.normals.end());
-        for (size_t i = 0; i < solid.triangles.size(); ++i)
-            mesh_.triangles.push_back(solid.triangles[i] + Vec3i::all(offset));
-    }
-
-    const Mesh& mesh() const { return mesh_; }
-
-private:
-    Mesh mesh_;
-};
 
 /* z along the shaft, towards the tip; the pitch axis is y. */
 Mesh drawShaft()

@@ -10,10 +10,11 @@
 namespace cv { namespace surgtrack {
 
 ToolModel::Link::Link()
-    : parent(-1), jointType(JOINT_FIXED), coordinate(-1), scale(1), alpha(0), a(0), theta(0), d(0), mesh(-1), offsetDeviation(-1),
-      lower(0), upper(0)
+    : parent(-1), jointType(JOINT_FIXED), coordinate(-1), scale(1), alpha(0), a(0), theta(0), d(0), mesh(-1), offsetDeviation(-1)
 {
 }
+
+ToolModel::Keypoint::Keypoint() : link(-1), score(-1) {}
 
 ToolModel::Description::Description() : endEffectorLink(-1), link_T_endEffector(Matx44d::eye())
 {
@@ -67,7 +68,6 @@ void checkDescription(const ToolModel::Description& tool)
                path + ": expected finite scale, alpha, a, theta and d");
         expect(link.offsetDeviation < 0 || (link.offsetDeviation < DBL_MAX && !fixed),
                path + ".offsetDeviation: expected a finite number, or a negative one for the default, as for a fixed joint");
-        expect(checkRange(Vec2d(link.lower, link.upper)), path + ": expected finite lower and upper");
         expect(link.mesh >= -1 && link.mesh < (int)tool.meshes.size(), path + ".mesh: expected the index of a mesh, or -1");
         for (int j = 0; j < i; ++j)
             expect(fixed || tool.links[j].coordinate != link.coordinate || tool.links[j].offsetDeviation < 0 || link.offsetDeviation < 0
@@ -83,7 +83,11 @@ void checkDescription(const ToolModel::Description& tool)
         checkNewName(keypointNames, keypoint.name, path + ".name");
         expect(keypoint.link >= 0 && keypoint.link < linkCount, path + ".link: expected the index of a link");
         expect(checkRange(Vec3d(keypoint.linkPoint)), path + ".linkPoint: expected finite numbers");
+        expect(keypoint.score <= 1, path + ".score: expected a number from 0 to 1, or a negative one if it is not known");
     }
+    expect(tool.limits.empty() || tool.limits.size() == tool.coordinates.size(), "limits: expected one of each coordinate, or none");
+    for (size_t i = 0; i < tool.limits.size(); ++i)
+        expect(tool.limits[i][0] <= tool.limits[i][1], format("limits[%d]: expected the least and the greatest value", (int)i));
     expect(tool.endEffectorLink >= 0 && tool.endEffectorLink < linkCount, "endEffectorLink: expected the index of a link");
     expect(isRigid(tool.link_T_endEffector), "link_T_endEffector: expected a rigid transform");
 }
@@ -114,6 +118,23 @@ std::vector<String> ToolModel::keypointNames() const
     for (size_t i = 0; i < description_.keypoints.size(); ++i)
         names.push_back(description_.keypoints[i].name);
     return names;
+}
+
+Mat ToolModel::jointLimits() const
+{
+    Mat_<double> limits((int)description_.coordinates.size(), 2);
+    for (int i = 0; i < limits.rows; ++i)
+        for (int k = 0; k < 2; ++k)
+            limits(i, k) = description_.limits.empty() ? (k ? DBL_MAX : -DBL_MAX) : description_.limits[i][k];
+    return limits;
+}
+
+std::vector<double> ToolModel::keypointScores() const
+{
+    std::vector<double> scores;
+    for (size_t i = 0; i < description_.keypoints.size(); ++i)
+        scores.push_back(description_.keypoints[i].score);
+    return scores;
 }
 
 int ToolModel::coordinateIndex(const String& name) const

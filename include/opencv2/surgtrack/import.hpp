@@ -34,13 +34,14 @@ struct CV_EXPORTS_W_SIMPLE ToolParts
     those of the Denavit-Hartenberg frame of their link. Their origin is the link's in both cases. dVRK tools only. */
     CV_PROP_RW bool meshesInToolAxes;
 
-    /** A CSV file `name,link,x,y,z`: keypoints as they are picked in the link's mesh file, in its axes and unit; they replace those of
-    `like`. Empty: none. */
+    /** A CSV file `name,link,x,y,z`: keypoints as they are picked in the link's mesh file, in its axes and unit (of an URDF: before the visual's scale
+    and origin); they replace those of `like`, and may be 2 mm off the link's surface at most. `auto` or `auto:N`: chooseKeypoints() chooses.
+    Empty: those of `like`, else none. */
     CV_PROP_RW String keypoints;
 
-    CV_PROP_RW String packages;         //!< URDF: the folder in which `package://NAME/...` is looked for, as NAME/... or as ...
+    CV_PROP_RW String packages;         //!< URDF: the folder in which `package://NAME/...` is looked for, as NAME/... or as ...; empty: the URDF's, and those above it
     CV_PROP_RW String base;             //!< URDF: the link to take for the arm's base, the remote centre of motion; empty: the root
-    CV_PROP_RW String endEffector;      //!< URDF: the link to report the pose of; empty: as in `like`, or the only link nothing hangs on
+    CV_PROP_RW String endEffector;      //!< URDF: the link to report the pose of; empty: as in `like`, else `tool_tip_link`, else the only end that no joint moves by itself
 };
 
 /** @brief A tool from the kinematics of the da Vinci Research Kit, arm and instrument.
@@ -65,6 +66,7 @@ Joints that turn or slide become coordinates of the same name; joints that mimic
 joint in a general place takes up to four links of modified Denavit-Hartenberg transforms; the last has the name of the URDF's link.
 Coordinates come in the order of the joints on the way to the end effector, from the base on, then the others as in the file.
 The visuals of a link are read, with their scale and origin: meshes, cylinders, spheres and boxes; those of the base are not, it does not move with the tool.
+Limits of joints are kept.
 Rotations by quarter turns about the axes whose angles were rounded (1.5708, 1.570796327) are made exact.
 
 @param filename the URDF

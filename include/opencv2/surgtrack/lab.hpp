@@ -13,6 +13,7 @@
 #include "opencv2/surgtrack/time_offset.hpp"
 #include "opencv2/surgtrack/import.hpp"
 #include "opencv2/surgtrack/live.hpp"
+#include "opencv2/surgtrack/tool_setup.hpp"
 #include "opencv2/surgtrack/scene_view.hpp"
 #include "opencv2/surgtrack/pose_score.hpp"
 #include "opencv2/surgtrack/setup_check.hpp"

@@ -37,7 +37,8 @@ public:
     };
 
     /** @brief A scene from its seed.
-    @param model the tool all arms carry; empty = ToolModel::needleDriver(); needs the coordinates q1..q6 and jaw
+    @param model the tool all arms carry; empty = ToolModel::needleDriver(); an arm of two joints that turn, one that slides, one that rolls, two of
+    a wrist, and perhaps one of jaws
     @param params options */
     CV_WRAP static Ptr<SyntheticScene> create(const Ptr<ToolModel>& model = Ptr<ToolModel>(),
                                               const SyntheticScene::Params& params = SyntheticScene::Params());

@@ -66,7 +66,6 @@ public:
         double alpha, a, theta, d;
         int mesh;                 //!< index into meshes(); -1: nothing to draw
         double offsetDeviation;   //!< for offsetDeviations(), the same in all links of a coordinate [rad or m]; negative: the default
-        double lower, upper;      //!< limits of the coordinate, for checks only [rad or m]; unknown where lower is not less than upper, as by default
         Link();
     };
 
@@ -75,6 +74,8 @@ public:
         String name;
         int link;
         Point3d linkPoint;        //!< in the link's frame [m]
+        double score;             //!< see chooseKeypoints(), 0..1; negative: not known
+        Keypoint();
     };
 
     /** @brief Everything a tool consists of, to build one in code. */
@@ -85,6 +86,7 @@ public:
         std::vector<Link> links;
         std::vector<Mesh> meshes;
         std::vector<Keypoint> keypoints;
+        std::vector<Vec2d> limits;   //!< least and greatest value of each coordinate [rad or m], -DBL_MAX and DBL_MAX: none; empty: not known
         int endEffectorLink;
         Matx44d link_T_endEffector;
         Description();
@@ -99,6 +101,10 @@ public:
     /** @brief The built-in tool: an 8 mm wristed needle driver drawn from its dimensions (shaft radius 4.2 mm, pitch to yaw
     axis 9.1 mm, yaw axis to tip 9.65 mm) on the kinematics of a patient side manipulator, with 14 keypoints. */
     CV_WRAP static Ptr<ToolModel> needleDriver();
+
+    /** @brief Another built-in tool: curved scissors of 8 mm on the same kinematics. Both blades are bent to the same side, so that no half is the
+    other's mirror image. Its keypoints are those that chooseKeypoints() takes. */
+    CV_WRAP static Ptr<ToolModel> curvedScissors();
 
     /** @brief A tool from its description. @throws cv::Exception if an index, a matrix or a number is not valid */
     static Ptr<ToolModel> create(const Description& description);
@@ -118,6 +124,11 @@ public:
     /** @brief The meshes that links refer to. */
     CV_WRAP const std::vector<Mesh>& meshes() const { return description_.meshes; }
     const std::vector<Keypoint>& keypoints() const { return description_.keypoints; }
+    const Description& description() const { return description_; }
+    /** @brief How far the joints go: C x 2 CV_64F, least and greatest value of each coordinate [rad or m]; -DBL_MAX and DBL_MAX where that is not known. */
+    CV_WRAP Mat jointLimits() const;
+    /** @brief How well keypoints are found, see chooseKeypoints(): 0..1, negative where that is not known. */
+    CV_WRAP std::vector<double> keypointScores() const;
     /** @brief Index of the coordinate, or -1. */
     CV_WRAP int coordinateIndex(const String& name) const;
 

@@ -189,6 +189,22 @@ class surgtrack_test(NewOpenCVTests):
         self.assertEqual(loaded.name(), self.model.name())
         np.testing.assert_allclose(loaded.endEffectorPose(self.joints), self.model.endEffectorPose(self.joints), atol=1e-12)   # rounding
 
+    def test_tool_gets_keypoints_and_a_sheet(self):
+        self.model.save(self.path('tool.yaml'))
+        with open(self.path('tool.yaml')) as file:
+            text = file.read()
+        with open(self.path('bare.yaml'), 'w') as file:
+            file.write(text[:text.index('keypoints:')] + 'keypoints: []\n')
+        model = st.loadTool(self.path('bare.yaml'))
+        scores = model.keypointScores()
+        self.assertGreaterEqual(len(scores), 24)
+        self.assertTrue(all(0 < score <= 1 for score in scores))
+        self.assertEqual(st.checkTool(model), ())
+        self.assertEqual(st.chooseKeypoints(st.ToolModel.load(self.path('bare.yaml')), 24).keypointNames(), model.keypointNames())
+        sheet = st.drawToolSheet(model)
+        self.assertEqual((sheet.dtype, sheet.shape[2]), (np.uint8, 3))
+        self.assertEqual(model.jointLimits().shape, (7, 2))
+
     def test_mesh_renderer_draws_the_tool(self):
         renderer = st.MeshRenderer.createSoftware()
         depth, ids, shading = renderer.renderTool(self.model, self.joints, self.camera_T_base(), self.camera)

@@ -25,21 +25,27 @@ Ptr<ToolModel> importDvrkTool(const std::vector<String>&, const ToolParts&)
 
 namespace {
 
+struct Joint : ToolModel::Link
+{
+    Joint() : limits(-DBL_MAX, DBL_MAX) {}
+    Vec2d limits;   // of the coordinate
+};
+
 struct Chain
 {
     Chain() : hasJaw(false), hasTip(false), tip(Matx44d::eye()) {}
-    std::vector<ToolModel::Link> joints;
+    std::vector<Joint> joints;
     bool hasJaw, hasTip;
     Matx44d tip;                  // tooltip_offset
 };
 
-ToolModel::Link readJoint(const JsonKey& key, const JsonKey& dh)
+Joint readJoint(const JsonKey& key, const JsonKey& dh)
 {
     // Old files state the convention of each link, later ones once.
     const String convention = key.has("convention") ? key["convention"].text() : dh["convention"].text();
     if (convention != "modified")
         key.fail("expected the convention `modified`, found `" + convention + "`");
-    ToolModel::Link joint;
+    Joint joint;
     joint.name = key.has("name") ? key["name"].text() : String();
     const String type = key["type"].text();
     if (type != "revolute" && type != "prismatic")
@@ -50,8 +56,7 @@ ToolModel::Link readJoint(const JsonKey& key, const JsonKey& dh)
     const bool turns = type == "revolute";
     if (!passive && key.has("qmin") && key.has("qmax"))
     {
-        joint.lower = key["qmin"].number();
-        joint.upper = key["qmax"].number();
+        joint.limits = Vec2d(key["qmin"].number(), key["qmax"].number());
     }
     joint.alpha = exactAngle(key["alpha"].number());
     joint.a = key["A"].number();
@@ -104,6 +109,13 @@ void checkOrder(const Chain& chain, const std::vector<String>& files)
     }
 }
 
+void limit(const Joint& joint, int coordinate, ToolModel::Description& tool)
+{
+    if (joint.limits == Vec2d(-DBL_MAX, DBL_MAX) || coordinate < 0) return;
+    tool.limits.resize(tool.coordinates.size(), Vec2d(-DBL_MAX, DBL_MAX));
+    tool.limits[coordinate] = joint.limits;
+}
+
 void addJaw(const char* name, double scale, ToolModel::Description& tool)
 {
     ToolModel::Link jaw;
@@ -131,8 +143,10 @@ ToolModel::Description describe(const Chain& chain)
         tool.coordinates.push_back(format("q%d", link.coordinate + 1));
     }
     tool.endEffectorLink = (int)tool.links.size() - 1;
+    for (size_t i = 0; i < chain.joints.size(); i++) limit(chain.joints[i], tool.links[i].coordinate, tool);
     if (chain.hasJaw)
     {
+        if (!tool.limits.empty()) tool.limits.push_back(Vec2d(-DBL_MAX, DBL_MAX));
         tool.coordinates.push_back("jaw");
         addJaw("jaw_right", 0.5, tool);
         addJaw("jaw_left", -0.5, tool);
@@ -160,7 +174,7 @@ ToolModel::Description describeLike(const Chain& chain, const String& filename)
     for (size_t i = 0; i < path.size(); i++)
     {
         ToolModel::Link& link = tool.links[path[i]];
-        const ToolModel::Link& joint = chain.joints[i];
+        const Joint& joint = chain.joints[i];
         if (link.jointType != joint.jointType || link.scale != 1)
             importError(filename, format("link '%s' does not move as joint %d of the dVRK's files, expected a %s joint with scale 1",
                                          link.name.c_str(), (int)i + 1, joint.jointType == ToolModel::JOINT_REVOLUTE ? "revolute" : "prismatic"));
@@ -168,8 +182,7 @@ ToolModel::Description describeLike(const Chain& chain, const String& filename)
         link.a = joint.a;
         link.theta = joint.theta;
         link.d = joint.d;
-        link.lower = joint.lower;
-        link.upper = joint.upper;
+        limit(joint, link.coordinate, tool);
     }
     return tool;
 }
@@ -197,7 +210,7 @@ Ptr<ToolModel> importDvrkTool(const std::vector<String>& files, const ToolParts&
             tool.link_T_endEffector(i, 3) = given(i, 3);
     }
     addParts(parts, parts.meshesInToolAxes ? chain.tip.get_minor<3, 3>(0, 0) : Matx33d::eye(), tool);
-    return ToolModel::create(tool);
+    return makeTool(parts, tool);
 }
 
 #endif

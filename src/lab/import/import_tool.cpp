@@ -3,8 +3,10 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "opencv2/surgtrack/tool_setup.hpp"
 #include "files/csv.hpp"
 #include "lab/import/import_tool.hpp"
+#include "lab/tool/surface.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -97,7 +99,45 @@ void dropUnusedMeshes(ToolModel::Description& tool)
     tool.meshes.swap(used);
 }
 
-static void addKeypoints(const ToolParts& parts, const Matx33d& axes, ToolModel::Description& tool)
+bool wantsAuto(const String& keypoints, int* count)
+{
+    if (keypoints == "auto")
+        return true;
+    char rest;
+    int n = 0;
+    if (keypoints.compare(0, 5, "auto:") != 0)
+        return false;
+    if (std::sscanf(keypoints.c_str() + 5, "%d%c", &n, &rest) != 1 || n < 6 || n > 200)
+        CV_Error(Error::StsBadArg, "keypoints is `" + keypoints + "`, expected auto, auto:N with N from 6 to 200, or a file");
+    if (count)
+        *count = n;
+    return true;
+}
+
+//! A point picked in the link's mesh file, in the link's frame: where its mesh is, if it has one.
+static Point3d placed(const ToolParts& parts, const MeshFrames& frames, const String& name, const Point3d& picked, int link, const ToolModel::Description& tool)
+{
+    const MeshFrames::const_iterator own = frames.find(link), any = own == frames.end() ? frames.find(-1) : own;
+    const int mesh = tool.links[link].mesh;
+    Point3d best;
+    double nearest = DBL_MAX;
+    for (size_t i = 0; i < any->second.size(); i++)
+    {
+        const Point3d p = transform(any->second[i], picked);
+        const double distance = mesh < 0 ? 0 : distanceTo(tool.meshes[mesh], p);
+        if (distance < nearest)
+        {
+            nearest = distance;
+            best = p;
+        }
+    }
+    if (nearest > farthestKeypoint)
+        CV_Error(Error::StsParseError, parts.keypoints + format(": keypoint `%s` is %.4g mm off the surface of link `%s`, expected %g at most: are its axes and its "
+                 "unit those of the link's mesh file?", name.c_str(), 1e3 * nearest, tool.links[link].name.c_str(), 1e3 * farthestKeypoint));
+    return best;
+}
+
+static void addKeypoints(const ToolParts& parts, const MeshFrames& frames, ToolModel::Description& tool)
 {
     tool.keypoints.clear();
     CsvReader csv(parts.keypoints);
@@ -107,27 +147,40 @@ static void addKeypoints(const ToolParts& parts, const Matx33d& axes, ToolModel:
         ToolModel::Keypoint keypoint;
         keypoint.name = csv.text(name);
         keypoint.link = findLink(tool, csv.text(link), parts.keypoints);
-        keypoint.linkPoint = Point3d(axes * Vec3d(csv.number(xyz[0]), csv.number(xyz[1]), csv.number(xyz[2])) * parts.meshScale);
+        const Point3d picked(csv.number(xyz[0]), csv.number(xyz[1]), csv.number(xyz[2]));
+        keypoint.linkPoint = placed(parts, frames, keypoint.name, picked, keypoint.link, tool);
         tool.keypoints.push_back(keypoint);
     }
 }
 
-void addParts(const ToolParts& parts, const Matx33d& axes, ToolModel::Description& tool)
+void addParts(const ToolParts& parts, const Matx33d& axes, ToolModel::Description& tool, MeshFrames frames)
 {
     if (!(parts.meshScale > 0 && parts.meshScale < DBL_MAX))
         CV_Error(Error::StsBadArg, format("meshScale is %g, expected a positive number of metres per unit", parts.meshScale));
+    const double scale = parts.meshScale;
+    const Matx44d link_T_file = rigidTransform(axes, Vec3d()) * Matx44d::diag(Matx41d(scale, scale, scale, 1));
+    frames[-1].assign(1, link_T_file);
     for (size_t i = 0; i < parts.meshes.size(); i++)
     {
         const std::pair<String, String> part = splitPair(parts.meshes[i], "meshes");
-        ToolModel::Link& link = tool.links[findLink(tool, part.first, "meshes")];
+        const int index = findLink(tool, part.first, "meshes");
+        ToolModel::Link& link = tool.links[index];
+        frames.erase(index);
         link.mesh = part.second == "none" ? -1 : (int)tool.meshes.size();
         if (link.mesh < 0)
             continue;
-        tool.meshes.push_back(loadMesh(part.second, parts.meshScale, rigidTransform(axes, Vec3d())));
+        tool.meshes.push_back(loadMesh(part.second, scale, rigidTransform(axes, Vec3d())));
     }
     dropUnusedMeshes(tool);
-    if (!parts.keypoints.empty())
-        addKeypoints(parts, axes, tool);
+    if (!parts.keypoints.empty() && !wantsAuto(parts.keypoints))
+        addKeypoints(parts, frames, tool);
+}
+
+Ptr<ToolModel> makeTool(const ToolParts& parts, const ToolModel::Description& tool)
+{
+    int count = 24;   // as chooseKeypoints() has it
+    const Ptr<ToolModel> model = ToolModel::create(tool);
+    return wantsAuto(parts.keypoints, &count) ? chooseKeypoints(model, count) : model;
 }
 
 }} // namespace cv::surgtrack

@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "lab/import/import_tool.hpp"
+#include "lab/import/urdf_path.hpp"
 #include "lab/import/urdf_shape.hpp"
 #include <map>
 #include <regex>
@@ -12,8 +13,6 @@
 #include <console_bridge/console.h>
 #include <urdf_parser/urdf_parser.h>
 #endif
-
-#include "opencv2/core/utils/filesystem.hpp"
 
 // importUrdfTool(): an expanded URDF.
 
@@ -81,6 +80,7 @@ public:
     UrdfReader(const String& filename, const ToolParts& parts) : filename_(filename), parts_(parts)
     {
         const String text = readTextFile(filename);
+        refuseXacro(text);
         readOrder(text);
         Messages messages;
         try
@@ -114,7 +114,17 @@ public:
         return tool_;
     }
 
+    const MeshFrames& frames() const { return frames_; }
+
 private:
+    //! What is still to be expanded; the name space alone often stays in what was.
+    void refuseXacro(const String& text) const
+    {
+        const std::regex comment("<!--[^]*?-->"), call("<xacro:|\\$\\{|\\$\\(");
+        if (std::regex_search(std::regex_replace(std::string(text), comment, ""), call))
+            fail("is xacro, expected an expanded URDF: `xacro FILE.xacro > FILE.urdf` expands it");
+    }
+
     //! The joints in the order of the file, which urdfdom does not keep.
     void readOrder(const String& text)
     {
@@ -137,13 +147,16 @@ private:
             found.push_back((int)i);
         std::vector<int> place(tool_.coordinates.size() + 1, -1);
         std::vector<String> sorted;
+        std::vector<Vec2d> limits;
         for (size_t i = 0; i < found.size(); i++)
             if (found[i] < (int)tool_.coordinates.size() && place[found[i]] < 0)
             {
                 place[found[i]] = (int)sorted.size();
                 sorted.push_back(tool_.coordinates[found[i]]);
+                limits.push_back(tool_.limits[found[i]]);
             }
         tool_.coordinates.swap(sorted);
+        tool_.limits.swap(limits);
         for (size_t i = 0; i < tool_.links.size(); i++)
             if (tool_.links[i].jointType != ToolModel::JOINT_FIXED)
                 tool_.links[i].coordinate = place[tool_.links[i].coordinate];
@@ -186,7 +199,15 @@ private:
         if (at != tool_.coordinates.end())
             return (int)(at - tool_.coordinates.begin());
         tool_.coordinates.push_back(source->name);
+        tool_.limits.push_back(limitsOf(*source));
         return (int)tool_.coordinates.size() - 1;
+    }
+
+    //! Without lower and upper both are 0 in urdfdom.
+    static Vec2d limitsOf(const urdf::Joint& joint)
+    {
+        const bool known = joint.limits && joint.type != urdf::Joint::CONTINUOUS && joint.limits->lower < joint.limits->upper;
+        return known ? Vec2d(joint.limits->lower, joint.limits->upper) : Vec2d(-DBL_MAX, DBL_MAX);
     }
 
     void addJoint(const urdf::Joint& joint, const String& name, int parent)
@@ -212,11 +233,6 @@ private:
         ToolModel::Link& moving = steps.back();
         moving.jointType = turns ? ToolModel::JOINT_REVOLUTE : ToolModel::JOINT_PRISMATIC;
         moving.coordinate = coordinateOf(joint, scale, offset);
-        if (joint.limits && !joint.mimic && joint.type != urdf::Joint::CONTINUOUS && joint.limits->lower < joint.limits->upper)
-        {
-            moving.lower = joint.limits->lower;
-            moving.upper = joint.limits->upper;
-        }
         const double sign = along && axis[2] < 0 ? -1 : 1;
         moving.scale = sign * scale;
         (turns ? moving.theta : moving.d) += sign * offset;
@@ -238,22 +254,6 @@ private:
         }
     }
 
-    String resolve(const String& name) const
-    {
-        if (name.compare(0, 7, "file://") == 0)
-            return name.substr(7);
-        if (name.compare(0, 10, "package://") != 0)
-            return name[0] == '/' ? name : utils::fs::join(utils::fs::getParent(filename_), name);
-        if (parts_.packages.empty())
-            fail("mesh `" + name + "`: expected the folder of the package to be given (packages)", Error::StsObjectNotFound);
-        const String rest = name.substr(10), whole = utils::fs::join(parts_.packages, rest);
-        const size_t slash = rest.find('/');
-        if (utils::fs::exists(whole) || slash == String::npos)
-            return whole;
-        const String inside = utils::fs::join(parts_.packages, rest.substr(slash + 1));
-        return utils::fs::exists(inside) ? inside : whole;
-    }
-
     void addMeshes(const urdf::Link& link, int index)
     {
         if (replaced_.count(link.name))
@@ -272,7 +272,9 @@ private:
             const urdf::Mesh& mesh = static_cast<const urdf::Mesh&>(*visual.geometry);
             try
             {
-                append(loadScaled(resolve(mesh.filename), Vec3d(mesh.scale.x, mesh.scale.y, mesh.scale.z), toTransform(visual.origin)), all);
+                const Vec3d scale(mesh.scale.x, mesh.scale.y, mesh.scale.z);
+                append(loadScaled(urdfMeshPath(filename_, parts_.packages, mesh.filename), scale, toTransform(visual.origin)), all);
+                frames_[index].push_back(toTransform(visual.origin) * Matx44d::diag(Matx41d(scale[0], scale[1], scale[2], 1)));
             }
             catch (const Exception& e)
             {
@@ -343,9 +345,27 @@ private:
         for (size_t i = 0; i < ends.size(); i++)
             if (tool_.links[i].parent >= 0)
                 ends[tool_.links[i].parent] = false;
-        if (std::count(ends.begin(), ends.end(), true) != 1)
-            fail("several links that nothing hangs on: expected the end effector to be named (endEffector)", Error::StsBadArg);
-        tool_.endEffectorLink = (int)(std::find(ends.begin(), ends.end(), true) - ends.begin());
+        std::vector<int> all, still;
+        for (int i = 0; i < (int)ends.size(); i++)
+        {
+            if (tool_.links[i].name == "tool_tip_link")
+            {
+                tool_.endEffectorLink = i;
+                return;
+            }
+            if (!ends[i])
+                continue;
+            all.push_back(i);
+            if (urdf_->getLink(tool_.links[i].name)->parent_joint->type == urdf::Joint::FIXED)
+                still.push_back(i);
+        }
+        const std::vector<int>& candidates = still.empty() ? all : still;
+        String names;
+        for (size_t i = 0; i < candidates.size(); i++)
+            names += (i ? ", " : "") + tool_.links[candidates[i]].name;
+        if (candidates.size() != 1)
+            fail("several links that nothing hangs on: " + names + "; expected the end effector to be named (endEffector), it may be any link", Error::StsBadArg);
+        tool_.endEffectorLink = candidates[0];
     }
 
     String filename_;
@@ -355,15 +375,17 @@ private:
     std::map<String, String> replaced_;      // meshes, by link
     Ptr<ToolModel> like_;
     ToolModel::Description tool_;
+    MeshFrames frames_;
 };
 
 } // namespace
 
 Ptr<ToolModel> importUrdfTool(const String& filename, const ToolParts& parts)
 {
-    ToolModel::Description tool = UrdfReader(filename, parts).read();
-    addParts(parts, Matx33d::eye(), tool);
-    return ToolModel::create(tool);
+    UrdfReader reader(filename, parts);
+    ToolModel::Description tool = reader.read();
+    addParts(parts, Matx33d::eye(), tool, reader.frames());
+    return makeTool(parts, tool);
 }
 
 #endif

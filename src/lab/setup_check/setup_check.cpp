@@ -5,6 +5,7 @@
 #include "precomp.hpp"
 #include "opencv2/videoio.hpp"
 #include "opencv2/surgtrack/setup_check.hpp"
+#include "opencv2/surgtrack/tool_setup.hpp"
 #include "opencv2/surgtrack/time_offset.hpp"
 #include "base/geometry.hpp"
 #include "lab/setup_check/setup_trial.hpp"
@@ -29,17 +30,18 @@ const ToolModel::Link* linkOf(const ToolModel& model, int coordinate)
 //! A coordinate that is beyond its limits for a tenth of the time.
 String limitFault(const ToolModel& model, const Mat& joints)
 {
+    const Mat_<double> limits = model.jointLimits();
     for (int c = 0; c < joints.cols; c++)
     {
         const ToolModel::Link* link = linkOf(model, c);
-        if (!link || !(link->lower < link->upper)) continue;
+        if (!link || (limits(c, 0) == -DBL_MAX && limits(c, 1) == DBL_MAX)) continue;
         const double slack = link->jointType == ToolModel::JOINT_PRISMATIC ? limitSlack / 10 : limitSlack;
-        const int beyond = countNonZero((joints.col(c) < link->lower - slack) | (joints.col(c) > link->upper + slack));
+        const int beyond = countNonZero((joints.col(c) < limits(c, 0) - slack) | (joints.col(c) > limits(c, 1) + slack));
         if (beyond * 10 < joints.rows) continue;
         double low, high;
         minMaxIdx(joints.col(c), &low, &high);
         return format("coordinate %s goes from %.4g to %.4g, its limits in the tool file are %g and %g: other units, or another column?",
-                      model.coordinateNames()[c].c_str(), low, high, link->lower, link->upper);
+                      model.coordinateNames()[c].c_str(), low, high, limits(c, 0), limits(c, 1));
     }
     return String();
 }
@@ -70,7 +72,7 @@ public:
             infos_.push_back(sequence->tool(i));
             int same = 0;
             while (infos_[same].model != infos_[i].model) same++;
-            tools_.models.push_back(same < i ? tools_.models[same] : ToolModel::load(infos_[i].model));
+            tools_.models.push_back(same < i ? tools_.models[same] : loadTool(infos_[i].model));
             tools_.nominal_T_base.push_back(infos_[i].nominal_T_base);
         }
         tools_.timeOffsets.assign(infos_.size(), 0.);

@@ -7,6 +7,7 @@
 #include "lab/synthetic/synthetic_arm.hpp"
 #include "lab/synthetic/synthetic_image.hpp"
 #include "lab/synthetic/synthetic_write.hpp"
+#include "lab/tool/tool_motion.hpp"
 #include "render/tool_instances.hpp"
 
 namespace cv { namespace surgtrack {
@@ -102,21 +103,10 @@ void SyntheticSceneImpl::prepareDrawing()
 
 void SyntheticSceneImpl::prepareMaterials(size_t arms)
 {
-    // Plastic up to the shaft, then steel; the last links, the jaws, are brighter.
-    const std::vector<ToolModel::Link>& links = model_->links();
-    CV_CheckLE(links.size() * arms, (size_t)255, "links of all arms");
-    const ToolMaterial plastic = { Vec3f(0.19f, 0.18f, 0.18f), 0.22f, 16 };
-    const ToolMaterial steel = { Vec3f(0.62f, 0.61f, 0.60f), 0.45f, 32 };
-    const ToolMaterial jaw = { Vec3f(0.74f, 0.75f, 0.76f), 0.50f, 16 };
-    const int wristPitch = arms_[0].coordinates[4], wristYaw = arms_[0].coordinates[5];
-    while (materials_.size() < links.size() * arms)
-        for (size_t i = 0; i < links.size(); i++)
-        {
-            int depth = 0;    // wrist joints above the link
-            for (int l = (int)i; l >= 0; l = links[l].parent)
-                depth += links[l].coordinate == wristPitch || links[l].coordinate == wristYaw;
-            materials_.push_back(depth == 0 ? plastic : depth == 1 ? steel : jaw);
-        }
+    const std::vector<ToolMaterial> own = toolMaterials(ToolMotion(*model_).wristDepth(*model_));
+    CV_CheckLE(own.size() * arms, (size_t)255, "links of all arms");
+    while (materials_.size() < own.size() * arms)
+        materials_.insert(materials_.end(), own.begin(), own.end());
 }
 
 void SyntheticSceneImpl::render(int frame, OutputArray image, bool right)

@@ -5,15 +5,15 @@
 #include "precomp.hpp"
 #include "base/geometry.hpp"
 #include "lab/synthetic/synthetic_arm.hpp"
+#include "lab/tool/tool_motion.hpp"
 
 namespace cv { namespace surgtrack {
 
 namespace {
 
 const int COORDINATES = SyntheticArm::COORDINATES;
-const char* const COORDINATE_NAMES[COORDINATES] = { "q1", "q2", "q3", "q4", "q5", "q6", "jaw" };
 
-// Amplitude of the motion, and standard deviations of the errors of the readings [rad, m].
+// Of two joints that turn, the insertion, the roll, two of the wrist, and the jaw: amplitude of the motion, and standard deviations of the errors of the readings [rad, m].
 const double AMPLITUDE[COORDINATES] = { 0.05, 0.05, 0.008, 0.9, 0.55, 0.55, 0.4 };
 const double BIAS[COORDINATES]      = { 0.006, 0.006, 0.0006, 0.02, 0.02, 0.02, 0.03 };
 const double DRIFT[COORDINATES]     = { 0.001, 0.001, 0.0001, 0.004, 0.004, 0.004, 0.006 };
@@ -43,17 +43,23 @@ RNG makeRng(int seed, Stream stream, uint64 index)
 SyntheticArm::SyntheticArm(const Ptr<ToolModel>& model, const SyntheticScene::Params& params, int tool)
     : model_(model), params_(params), tool_(tool)
 {
-    for (int i = 0; i < COORDINATES; i++)
-    {
-        coordinates[i] = model_->coordinateIndex(COORDINATE_NAMES[i]);
-        if (coordinates[i] < 0 || model_->coordinateNames().size() != (size_t)COORDINATES)
-            CV_Error(Error::StsBadArg, format("tool '%s': expected the coordinates q1, q2, q3, q4, q5, q6 and jaw", model_->name().c_str()));
-    }
-    place();
+    const ToolMotion motion(*model);
+    count_ = (int)motion.path.size();
+    for (int i = 0; i < count_ && i < 6; i++)
+        coordinates[i] = motion.path[i];
+    bool jaws = motion.role.size() == 7;
+    for (size_t c = 0; c < motion.role.size() && jaws && count_ == 6; c++)
+        if (motion.role[c] == ToolMotion::JAW)
+            coordinates[count_++] = (int)c;
+    if (count_ != (int)motion.role.size() || count_ < 6 || motion.slide != motion.path[2])
+        CV_Error(Error::StsBadArg, format("tool '%s': expected an arm of two joints that turn, one that slides and one that rolls, two joints of a wrist, and "
+                                          "perhaps one of jaws", model_->name().c_str()));
+    limits_ = model_->jointLimits();
+    place(motion.shaft);
     makeMotion();
 }
 
-void SyntheticArm::place()
+void SyntheticArm::place(const Vec3d& shaft)
 {
     RNG rng = makeRng(params_.seed, STREAM_HAND_EYE, tool_);
     const double side = tool_ % 2 == 0 ? 1 : -1, height = tool_ < 2 ? -1 : 1;
@@ -64,8 +70,12 @@ void SyntheticArm::place()
                             params_.tools == 2 ? Vec3d(side * 0.014, 0.003 + side * 0.003, 0.099) : Vec3d(side * 0.017, height * 0.013, 0.099);
     const Vec3d z = normalize(base - workspace), x = normalize(Vec3d(-side * z[2], 0, side * z[0])), y = z.cross(x);
     const Matx33d R(x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]);
-    camera_T_base = rigidTransform(R, base);
-    motion_[2].centre = insertionFor(norm(base - workspace));
+    // The straight tool points along -z there; the base of most arms has its own like that.
+    const Vec3d turn = shaft.cross(Vec3d(0, 0, -1));
+    const Matx33d own = norm(turn) > 1e-9 ? rotationAbout(normalize(turn), std::atan2(norm(turn), -shaft[2]))
+                        : shaft[2] > 0 ? Matx33d(1, 0, 0, 0, -1, 0, 0, 0, -1) : Matx33d::eye();
+    camera_T_base = rigidTransform(R * own, base);
+    motion_[2].centre = insertionFor(norm(base - workspace), shaft);
 
     // The calibration is wrong by a rotation about the workspace and a shift, so that the tool is off by the shift there.
     const Matx33d error = rotationAbout(randomDirection(rng), params_.handEyeRotation);
@@ -81,16 +91,18 @@ void SyntheticArm::place()
     }
 }
 
-// The insertion q3 that puts the end effector of the straight tool this far from the base.
-double SyntheticArm::insertionFor(double reach) const
+// The insertion that puts the end effector of the straight tool this far from the base.
+double SyntheticArm::insertionFor(double reach, const Vec3d& shaft) const
 {
-    std::vector<double> joints(COORDINATES, 0.);
-    const double z0 = model_->endEffectorPose(joints)(2, 3);
+    std::vector<double> joints(count_, 0.);
+    const Matx44d T0 = model_->endEffectorPose(joints);
     joints[coordinates[2]] = 0.1;
-    const double z1 = model_->endEffectorPose(joints)(2, 3);
-    if (std::abs(z0 - z1 - 0.1) > 1e-6)
-        CV_Error(Error::StsBadArg, format("tool '%s': expected q3 to move the tool along -z of the base", model_->name().c_str()));
-    return reach + z0;
+    const Matx44d T1 = model_->endEffectorPose(joints);
+    const double s0 = -shaft.dot(Vec3d(T0(0, 3), T0(1, 3), T0(2, 3))), s1 = -shaft.dot(Vec3d(T1(0, 3), T1(1, 3), T1(2, 3)));
+    if (std::abs(s0 - s1 - 0.1) > 1e-6)
+        CV_Error(Error::StsBadArg, format("tool '%s': expected `%s` to move the tool out along its shaft", model_->name().c_str(),
+                                          model_->coordinateNames()[coordinates[2]].c_str()));
+    return reach + s0;
 }
 
 void SyntheticArm::makeMotion()
@@ -108,14 +120,27 @@ void SyntheticArm::makeMotion()
         m.cycles[1] = m.cycles[0] + std::max(1, cvRound(duration * rng.uniform(0.1, 0.3)));
         m.phases[0] = rng.uniform(0., 1.);
         m.phases[1] = rng.uniform(0., 1.);
+        if (i < count_ && i >= 4)
+            keepInside(m, limits_(coordinates[i], 0), limits_(coordinates[i], 1));
     }
+}
+
+//! Motions that would go beyond the joint's limits become as large as those allow.
+void SyntheticArm::keepInside(Motion& m, double low, double high)
+{
+    if (m.centre - m.amplitude >= low && m.centre + m.amplitude <= high)
+        return;
+    low = std::max(low, m.centre - m.amplitude);
+    high = std::min(high, m.centre + m.amplitude);
+    m.centre = 0.5 * (low + high);
+    m.amplitude = std::max(0., 0.5 * (high - low));
 }
 
 std::vector<double> SyntheticArm::trueJoints(double time) const
 {
     const double phase = time * params_.fps / params_.frames;
-    std::vector<double> joints(COORDINATES);
-    for (int i = 0; i < COORDINATES; i++)
+    std::vector<double> joints(count_);
+    for (int i = 0; i < count_; i++)
         joints[coordinates[i]] = i == 6 ? std::max(motion_[i].at(phase), MIN_JAW) : motion_[i].at(phase);
     return joints;
 }
@@ -130,10 +155,10 @@ std::vector<double> SyntheticArm::recordedJoints(double time) const
     for (int j = 0; j < 2; j++)
     {
         RNG rng = makeRng(params_.seed, STREAM_WHITE, 2 * (uint64)(before + j) + tool_ % 2 + ((uint64)(tool_ / 2) << 48));
-        for (int i = 0; i < COORDINATES; i++)
+        for (int i = 0; i < count_; i++)
             joints[coordinates[i]] += (j ? weight : 1 - weight) * params_.jointNoise * rng.gaussian(WHITE[i]);
     }
-    for (int i = 0; i < COORDINATES; i++)
+    for (int i = 0; i < count_; i++)
         joints[coordinates[i]] += bias_[i] + drift_[i] * std::sin(2 * CV_PI * time / 30 + driftPhase_[i]);
     return joints;
 }

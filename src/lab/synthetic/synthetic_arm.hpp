@@ -31,7 +31,7 @@ struct Motion
 class SyntheticArm
 {
 public:
-    enum { COORDINATES = 7 };    // q1..q6 and jaw
+    enum { COORDINATES = 7 };    // at most: six on the way to the end effector, and the jaw
 
     //! @param tool index: arm 0 enters from the upper right, 1 from the upper left, 2 from the lower right, 3 from the lower left
     SyntheticArm(const Ptr<ToolModel>& model, const SyntheticScene::Params& params, int tool);
@@ -40,16 +40,18 @@ public:
     std::vector<double> recordedJoints(double time) const;
 
     Matx44d camera_T_base, nominal_T_base;
-    int coordinates[COORDINATES];    //!< of the model: q1..q6 and jaw
+    int coordinates[COORDINATES];    //!< of the model, in this order
 
 private:
-    void place();
+    void place(const Vec3d& shaft);
     void makeMotion();
-    double insertionFor(double reach) const;
+    static void keepInside(Motion& m, double low, double high);
+    double insertionFor(double reach, const Vec3d& shaft) const;
 
     Ptr<ToolModel> model_;
     SyntheticScene::Params params_;
-    int tool_;
+    int tool_, count_;    // count_: of coordinates there are
+    Mat_<double> limits_;
     Motion motion_[COORDINATES];
     double bias_[COORDINATES], drift_[COORDINATES], driftPhase_[COORDINATES];
 };

@@ -118,6 +118,18 @@ Mat makeShadow(const Mat& ids, const Vec3f& sideLight, Size size)
 
 } // namespace
 
+std::vector<ToolMaterial> toolMaterials(const std::vector<int>& wristDepth)
+{
+    // Plastic up to the shaft, then steel; the last links, the jaws, are brighter.
+    const ToolMaterial plastic = { Vec3f(0.19f, 0.18f, 0.18f), 0.22f, 16 };
+    const ToolMaterial steel = { Vec3f(0.62f, 0.61f, 0.60f), 0.45f, 32 };
+    const ToolMaterial jaw = { Vec3f(0.74f, 0.75f, 0.76f), 0.50f, 16 };
+    std::vector<ToolMaterial> materials;
+    for (size_t i = 0; i < wristDepth.size(); i++)
+        materials.push_back(wristDepth[i] == 0 ? plastic : wristDepth[i] == 1 ? steel : jaw);
+    return materials;
+}
+
 Mat makeTissue(Size size, RNG& rng)
 {
     const double unit = size.height / 576.;   // structures keep their size in the picture

@@ -17,6 +17,9 @@ struct ToolMaterial
     int shininess;        //!< exponent of the highlight, a power of two
 };
 
+//! What links look like. @param wristDepth of each link how many joints of the wrist it hangs on: 0 = the shaft
+std::vector<ToolMaterial> toolMaterials(const std::vector<int>& wristDepth);
+
 //! Tissue: mottled, with veins and wet spots. CV_8UC3, BGR.
 Mat makeTissue(Size size, RNG& rng);
 

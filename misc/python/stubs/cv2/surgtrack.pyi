@@ -240,6 +240,12 @@ class ToolModel:
         axis 9.1 mm, yaw axis to tip 9.65 mm) on the kinematics of a patient side manipulator, with 14 keypoints.
         """
         ...
+    @staticmethod
+    def curvedScissors() -> ToolModel:
+        """Another built-in tool: curved scissors of 8 mm on the same kinematics. Both blades are bent to the same side, so that no half is the
+        other's mirror image. Its keypoints are those that chooseKeypoints() takes.
+        """
+        ...
     def save(self, filename: str) -> None:
         """Writes the tool file, and its meshes as PLY into the folder `meshes` beside it."""
         ...
@@ -257,6 +263,12 @@ class ToolModel:
         ...
     def meshes(self) -> Tuple[Mesh, ...]:
         """The meshes that links refer to."""
+        ...
+    def jointLimits(self) -> NDArray[Any]:
+        """How far the joints go: C x 2 CV_64F, least and greatest value of each coordinate [rad or m]; -DBL_MAX and DBL_MAX where that is not known."""
+        ...
+    def keypointScores(self) -> NDArray[np.float64]:
+        """How well keypoints are found, see chooseKeypoints(): 0..1, negative where that is not known."""
         ...
     def coordinateIndex(self, name: str) -> int:
         """Index of the coordinate, or -1."""
@@ -1804,7 +1816,8 @@ class SyntheticScene:
     def create(model: Optional[ToolModel] = ..., params: SyntheticScene.Params = ...) -> SyntheticScene:
         """A scene from its seed.
 
-        model: the tool all arms carry; empty = ToolModel.needleDriver(); needs the coordinates q1..q6 and jaw
+        model: the tool all arms carry; empty = ToolModel.needleDriver(); an arm of two joints that turn, one that slides, one that rolls, two of
+        a wrist, and perhaps one of jaws
         params: options
         """
         ...
@@ -2122,15 +2135,16 @@ class ToolParts:
     those of the Denavit-Hartenberg frame of their link. Their origin is the link's in both cases. dVRK tools only.
     """
     keypoints: str
-    """A CSV file `name,link,x,y,z`: keypoints as they are picked in the link's mesh file, in its axes and unit; they replace those of
-    `like`. Empty: none.
+    """A CSV file `name,link,x,y,z`: keypoints as they are picked in the link's mesh file, in its axes and unit (of an URDF: before the visual's scale
+    and origin); they replace those of `like`, and may be 2 mm off the link's surface at most. `auto` or `auto:N`: chooseKeypoints() chooses.
+    Empty: those of `like`, else none.
     """
     packages: str
-    """URDF: the folder in which `package://NAME/...` is looked for, as NAME/... or as ..."""
+    """URDF: the folder in which `package://NAME/...` is looked for, as NAME/... or as ...; empty: the URDF's, and those above it"""
     base: str
     """URDF: the link to take for the arm's base, the remote centre of motion; empty: the root"""
     endEffector: str
-    """URDF: the link to report the pose of; empty: as in `like`, or the only link nothing hangs on"""
+    """URDF: the link to report the pose of; empty: as in `like`, else `tool_tip_link`, else the only end that no joint moves by itself"""
 
 def importDvrkTool(files: _Sequence[str], parts: ToolParts = ...) -> ToolModel:
     """A tool from the kinematics of the da Vinci Research Kit, arm and instrument.
@@ -2157,6 +2171,7 @@ def importUrdfTool(filename: str, parts: ToolParts = ...) -> ToolModel:
     joint in a general place takes up to four links of modified Denavit-Hartenberg transforms; the last has the name of the URDF's link.
     Coordinates come in the order of the joints on the way to the end effector, from the base on, then the others as in the file.
     The visuals of a link are read, with their scale and origin: meshes, cylinders, spheres and boxes; those of the base are not, it does not move with the tool.
+    Limits of joints are kept.
     Rotations by quarter turns about the axes whose angles were rounded (1.5708, 1.570796327) are made exact.
 
     filename: the URDF
@@ -2381,6 +2396,52 @@ class ClockOffset:
     def offset(self) -> float:
         """What to add to a time of the sender's clock to have it on this one [s]: the least arrival - stamp. 0 without a message."""
         ...
+
+def chooseKeypoints(model: ToolModel, count: int = ...) -> ToolModel:
+    """Chooses keypoints of a tool by what tracking does with them.
+
+    Points all over the surface of wrist, jaws and the end of the shaft are tried: the tool is drawn from all around, at many settings of
+    its joints, over tissue and in a light of its own. In each of these pictures PartTemplateRenderer cuts their templates from a drawing that is
+    wrong by what a hand-eye calibration and a wrist are wrong by, and QGOMatcher looks for them. What a point is worth there is how much finding it,
+    with the error it was found with, tells of the pose and of the offsets of wrist and jaws. Those that tell most together are taken, one by one
+    (the determinant of the information matrix, over all pictures); further ones, until at least six are found from every side that shows as many.
+
+    Takes a second or two. The same tool gets the same points.
+
+    model: the tool; keypoints it has are replaced
+    count: at least so many, if the surface has them
+    Returns: the tool with keypoints named LINK_1, LINK_2, ...; their score is the share of pictures that show them in which they were found
+    Raises cv2.error if the tool has no meshes, and (StsObjectNotFound) if less than four keypoints are found again
+    """
+    ...
+
+def loadTool(filename: str, maxTriangles: int = ...) -> ToolModel:
+    """A tool from any file that describes one: a tool file, or an URDF (by its name, `.urdf`); ready to be tracked.
+
+    A tool without keypoints gets those of chooseKeypoints(), if there are any. The end effector of an URDF is the link `tool_tip_link`, or the only end of the
+    chain that no joint moves by itself; importUrdfTool() has more options.
+
+    filename: tool file or URDF
+    maxTriangles: a tool with more triangles than this is decimated, all meshes to the same closeness; 0 = never
+    """
+    ...
+
+def checkTool(model: ToolModel) -> Tuple[str, ...]:
+    """What is likely to be wrong with a tool, in a line each: its chain, units and sizes, keypoints off the surface, joint limits, axes.
+
+    model: the tool
+    Returns: empty if nothing was found
+    """
+    ...
+
+def drawToolSheet(model: ToolModel, sheet: Optional[NDArray[Any]] = ...) -> NDArray[Any]:
+    """Draws what a person checks an import by: the tool from six sides (columns) at three settings of its joints (rows), its keypoints
+    numbered, the axes of its end effector, and the coordinates' values.
+
+    model: the tool
+    sheet: CV_8UC3, is made
+    """
+    ...
 
 class SceneView:
     """A view of camera, image and tools from outside, by VTK / OpenGL.

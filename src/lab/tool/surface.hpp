@@ -1,0 +1,20 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_SURGTRACK_SRC_LAB_TOOL_SURFACE_HPP
+#define OPENCV_SURGTRACK_SRC_LAB_TOOL_SURFACE_HPP
+
+#include "opencv2/surgtrack/tool_model.hpp"
+
+namespace cv { namespace surgtrack {
+
+//! A keypoint farther from its link's surface is none [m]: twice what a part's depth may be off to be visible.
+const double farthestKeypoint = 0.002;
+
+//! From a point to the nearest triangle [m].
+double distanceTo(const Mesh& mesh, const Point3d& point);
+
+}} // namespace cv::surgtrack
+
+#endif
