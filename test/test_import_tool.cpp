@@ -79,6 +79,16 @@ TEST_F(SurgTrack_ImportDvrk, offsetsAddToTheAngleThatTurnsAndTheLengthThatSlides
     EXPECT_LT(cv::norm(links[linkIndex(*model, "jaw_left")] - expected * denavitHartenberg(0, 0, -0.3, 0)), 1e-14);
 }
 
+TEST_F(SurgTrack_ImportDvrk, limitsOfJointsAreTaken)
+{
+    const String arm = replaced(ARM, "\"qmin\": -1.6", "\"qmin\": -1.6, \"qmax\": 1.5");
+    const std::vector<String> files = list(put("PSM.json", arm), put("DRIVER_1.json", INSTRUMENT));
+    const Ptr<ToolModel> model = orSkip([&]() { return importDvrkTool(files); });
+    EXPECT_EQ(-1.6, model->links()[0].lower);
+    EXPECT_EQ(1.5, model->links()[0].upper);
+    EXPECT_GE(model->links()[1].lower, model->links()[1].upper) << "the file has none of the second joint";
+}
+
 TEST_F(SurgTrack_ImportDvrk, oldFilesGiveTheSameTool)
 {
     const Ptr<ToolModel> a = tool(), b = importDvrkTool(list(put("old.json", OLD)));
@@ -356,6 +366,23 @@ TEST_F(SurgTrack_ImportUrdf, almostParallelAxesLoseNoDigits)
         }
         EXPECT_LT(worstError(joints), 2e-12) << angles[i];   // rounding, a thousandfold where the common normal is a thousand times as far
     }
+}
+
+TEST_F(SurgTrack_ImportUrdf, limitsOfJointsAreTaken)
+{
+    const char* const text = "<robot name=\"arm\"><link name=\"base\"/><link name=\"a\"/><link name=\"b\"/><link name=\"c\"/>\n"
+        "<joint name=\"slide\" type=\"prismatic\"><parent link=\"base\"/><child link=\"a\"/><axis xyz=\"0 0 -1\"/>"
+        "<limit lower=\"0\" upper=\"0.24\" effort=\"1\" velocity=\"1\"/></joint>\n"
+        "<joint name=\"turn\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/><axis xyz=\"0 0 1\"/></joint>\n"
+        "<joint name=\"follow\" type=\"revolute\"><parent link=\"b\"/><child link=\"c\"/><axis xyz=\"0 0 1\"/><mimic joint=\"turn\" multiplier=\"2\"/>"
+        "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint></robot>\n";
+    const Ptr<ToolModel> model = orSkip([&]() { return importUrdfTool(put("arm.urdf", text)); });
+    const ToolModel::Link slide = model->links()[linkIndex(*model, "a")], turn = model->links()[linkIndex(*model, "b")];
+    EXPECT_EQ(0, slide.lower);
+    EXPECT_EQ(0.24, slide.upper) << "of the coordinate, whichever way its axis points";
+    EXPECT_GE(turn.lower, turn.upper) << "a continuous joint has none";
+    const ToolModel::Link follow = model->links()[linkIndex(*model, "c")];
+    EXPECT_GE(follow.lower, follow.upper) << "those of a joint that mimics are not the coordinate's";
 }
 
 TEST_F(SurgTrack_ImportUrdf, theLargeNeedleDriverIsThatOfTheToolFile)

@@ -222,6 +222,8 @@ TEST(SurgTrack_ToolModel, everyErrorNamesFileAndKey)
         { "scale: 2", "scal: 2", "links[1].joint.scal: unknown key" },
         { "scale: 2", "scale: .Nan", "links[1].joint.scale: expected a finite number" },
         { "scale: 2", "scale: 2, offset_deviation: -0.1", "links[1].joint.offset_deviation: expected a number of at least 0" },
+        { "scale: 2", "scale: 2, limits: [ 1, 1 ]", "links[1].joint.limits: expected two numbers" },
+        { "scale: 2", "scale: 2, limits: 1", "links[1].joint.limits" },
         { "scale: 2", "scale: 2, offset_deviation: .Nan", "links[1].joint.offset_deviation: expected a finite number" },
         { "scale: 2", "scale: 2, offset_deviation: \"wide\"", "links[1].joint.offset_deviation: expected a finite number" },
         { "type: \"fixed\"", "type: \"fixed\", offset_deviation: 0", "links[0].joint.offset_deviation: unknown key" },
