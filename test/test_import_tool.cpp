@@ -79,6 +79,16 @@ TEST_F(SurgTrack_ImportDvrk, offsetsAddToTheAngleThatTurnsAndTheLengthThatSlides
     EXPECT_LT(cv::norm(links[linkIndex(*model, "jaw_left")] - expected * denavitHartenberg(0, 0, -0.3, 0)), 1e-14);
 }
 
+TEST_F(SurgTrack_ImportDvrk, limitsOfJointsAreTaken)
+{
+    const String arm = replaced(ARM, "\"qmin\": -1.6", "\"qmin\": -1.6, \"qmax\": 1.5");
+    const std::vector<String> files = list(put("PSM.json", arm), put("DRIVER_1.json", INSTRUMENT));
+    const Ptr<ToolModel> model = orSkip([&]() { return importDvrkTool(files); });
+    const Mat_<double> limits = model->jointLimits();
+    EXPECT_EQ(Vec2d(-1.6, 1.5), Vec2d(limits(0, 0), limits(0, 1)));
+    EXPECT_EQ(Vec2d(-DBL_MAX, DBL_MAX), Vec2d(limits(1, 0), limits(1, 1))) << "the file has none of the second joint";
+}
+
 TEST_F(SurgTrack_ImportDvrk, oldFilesGiveTheSameTool)
 {
     const Ptr<ToolModel> a = tool(), b = importDvrkTool(list(put("old.json", OLD)));

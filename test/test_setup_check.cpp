@@ -172,6 +172,25 @@ TEST_F(SurgTrack_SetupCheck, namesAnotherInstrument)
     expectFinding(list("model of tool 'PSM1'", "another instrument"));
 }
 
+TEST_F(SurgTrack_SetupCheck, namesKeypointsInsideTheMeshes)
+{
+    ToolModel::Description hollow;
+    hollow.name = needleDriver()->name();
+    hollow.coordinates = needleDriver()->coordinateNames();
+    hollow.links = needleDriver()->links();
+    hollow.meshes = needleDriver()->meshes();
+    hollow.endEffectorLink = needleDriver()->endEffectorLink();
+    hollow.keypoints = needleDriver()->keypoints();
+    for (size_t i = 0; i < hollow.keypoints.size(); i++)   // all on the axis of the shaft, which is 8 mm thick
+    {
+        hollow.keypoints[i].link = 3;
+        hollow.keypoints[i].linkPoint = Point3d(0, 0, -0.004 - 0.001 * i);
+    }
+    ToolModel::create(hollow)->save(path("hollow.yaml"));
+    writeSequenceTool(folder, "PSM1", path("hollow.yaml"), sound->tool(0).nominal_T_base);
+    expectFinding(list("hollow.yaml: keypoints: of tool 'PSM1'", "inside the meshes"));
+}
+
 TEST_F(SurgTrack_SetupCheck, namesReadingsBeyondTheLimitsOfTheTool)
 {
     const Ptr<ToolModel> plain = needleDriver();

@@ -194,6 +194,9 @@ private:
             figures_.push_back(format("%s: %.1f of %d parts can be seen, tracked in %d of %d frames, evidence %.2f", infos_[i].name.c_str(), s.parts,
                                       (int)tools_.models[i]->keypoints().size(), s.tracked, s.frames, s.evidence));
             good = good && (s.isGood() || !s.isJudged());
+            if (s.frames * 4 < s.tried)
+                say(format("%s: keypoints: of tool '%s' fewer than four can be seen in %d of %d frames: do they lie inside the meshes, or does its calibration "
+                           "leave it at the border of the image?", infos_[i].model.c_str(), infos_[i].name.c_str(), s.tried - s.frames, s.tried));
         }
         if (good || exchanged(trial, scores) || late(trial, scores)) return;
         for (size_t i = 0; i < scores.size(); i++)

@@ -65,6 +65,7 @@ void SetupTrial::trackStretch(const SetupTools& tools, int start, std::vector<Se
         {
             const ToolEstimate& e = estimates[i];
             SetupScore& score = scores[i];
+            score.tried++;
             if (e.visibleParts < leastParts) continue;
             score.frames++;
             score.parts += e.visibleParts;

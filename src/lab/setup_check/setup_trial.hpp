@@ -22,8 +22,9 @@ struct SetupTools
 //! How well a tool is tracked.
 struct SetupScore
 {
-    SetupScore() : frames(0), tracked(0), parts(0), evidence(0), nis(0) {}
-    int frames;           // in which its readings put at least four parts where they can be seen
+    SetupScore() : tried(0), frames(0), tracked(0), parts(0), evidence(0), nis(0) {}
+    int tried;            // frames
+    int frames;           // of these, in which its readings put at least four parts where they can be seen
     int tracked;          // of these
     double parts;         // seen, a frame
     double evidence;      // similarity and contour support, a tracked frame
