@@ -155,7 +155,7 @@ while v.read()[0]:
 assert n == int(sys.argv[2]), "%d frames" % n' "$1" "$2"
 }
 
-for checks in wings evaluation cluster python_docs stereo import look handeye live docs; do
+for checks in wings evaluation cluster python_docs stereo import look handeye live confidence docs; do
   # shellcheck source=/dev/null
   source "$REPO/misc/checks/$checks.sh"
 done
@@ -198,6 +198,7 @@ run_samples() {
   run_look "$work"
   run_handeye "$work"
   run_live "$work"
+  run_confidence "$work"
   run_docs "$work"
   sample "refused: no such sequence" refuses "$work/none" "$track" --sequence="$work/none"
   sample "refused: no such method" refuses method "$track" --sequence="$work/sequence" --method=none

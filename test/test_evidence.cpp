@@ -12,7 +12,7 @@ Evidence evidence(double similarity, double support, int parts = 8, double nis =
     Evidence e;
     e.similarity = similarity;
     e.support = support;
-    e.nis = nis;
+    e.nis = parts > 0 ? nis : 0;
     e.parts = parts;
     e.points = parts > 0;
     return e;
@@ -29,7 +29,7 @@ TEST(SurgTrack_Evidence, partsAndOutlineAddUp)
     EXPECT_LT(evidence(0.65, 0.6).logOdds(), right);
     EXPECT_LT(evidence(0.75, 0.4).logOdds(), right);
     EXPECT_LT(evidence(0.75, 0.6, 8, 0.5).logOdds(), right);
-    EXPECT_LT(evidence(0.8, 0.1).logOdds(), T.first);   // parts that look right in the wrong place
+    EXPECT_LT(evidence(0.75, 0.1).logOdds(), T.first);   // parts that look right in the wrong place
     EXPECT_LT(evidence(0.5, 0.5).logOdds(), T.first);   // an outline of tissue
 }
 
@@ -58,6 +58,18 @@ TEST(SurgTrack_Evidence, growsWithWhatItIsAskedFor)
     EXPECT_GT(evidence(0, 0.55, 0).logOdds() + T.prior, T.followed);
     EXPECT_LT(evidence(0, 0.31, 0).logOdds() + T.prior, T.followed);
     EXPECT_FALSE(evidence(0, 1, 0).isFirstPose(T));
+}
+
+TEST(SurgTrack_Evidence, moreConfidenceIsMoreOfAllThatIsAskedFor)
+{
+    const EvidenceThresholds more(0.9), none(0);
+    EXPECT_NEAR(0.9, probability(more.first), 1e-12);   // rounding
+    EXPECT_NEAR(T.sure - T.first, more.sure - more.first, 1e-12);
+    EXPECT_NEAR(T.followed - T.first, more.followed - more.first, 1e-12);
+    EXPECT_TRUE(evidence(0.5, 0, 5, 2).isFirstPose(none));
+    Evidence e = evidence(0.9, 0.9);
+    e.plausible = false;
+    EXPECT_FALSE(e.isFirstPose(none));   // what cannot be never is
 }
 
 TEST(SurgTrack_Evidence, aFirstPoseNeedsMoreThanFourParts)

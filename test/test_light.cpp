@@ -25,6 +25,19 @@ Mat withGamma(const Mat& image, double gamma)
     return result;
 }
 
+// Lenses and shutters blur light, of which grey levels are about the square root.
+Mat blurred(const Mat& image, Size box, double sigma = 0)
+{
+    Mat light, result;
+    image.convertTo(light, CV_32F);
+    light = light.mul(light);
+    if (sigma > 0) GaussianBlur(light, light, Size(), sigma);
+    else blur(light, light, box);
+    sqrt(light, light);
+    light.convertTo(result, CV_8U);
+    return result;
+}
+
 Mat masked(const Mat& image)
 {
     Mat result = Mat::zeros(image.size(), image.type()), disc = Mat::zeros(image.size(), CV_8U);
@@ -52,9 +65,11 @@ Mat spoilt(const Recording& r, int frame, const std::string& how)
     if (how == "gamma 1.6") return withGamma(image, 1.6);
     if (how == "mask") return masked(image);
     if (how == "fields") return interlaced(image, r.images[std::min(frame + 1, r.frames() - 1)]);
-    Mat blurred;
-    blur(image, blurred, Size(7, 1));
-    return blurred;
+    if (how == "gain 0.12") return scaled(image, 0.12, 0);
+    if (how == "blur 13") return blurred(image, Size(1, 13));
+    if (how == "defocus") return blurred(image, Size(), 2.5);
+    if (how == "blur and dim") return scaled(blurred(image, Size(9, 9)), 0.3, 0);
+    return blurred(image, Size(7, 1));
 }
 
 struct Light
@@ -90,7 +105,8 @@ TEST_P(SurgTrack_Light, theToolIsFoundAndFollowed)
 
 // Measured: 0.14, 0.14, 0.09, 0.07, 0.07, 0.43, 0.15, 0.22, 0.63 mm; 0.18 mm as the pictures are.
 const Light LIGHTS[] = {{"gain 0.25", 0.0003}, {"gain 0.5", 0.0003}, {"gain 2", 0.0002}, {"haze", 0.00015}, {"gamma 0.6", 0.00015}, {"gamma 1.6", 0.0008},
-                        {"mask", 0.0003}, {"fields", 0.0004}, {"blur", 0.0012}};
+                        {"mask", 0.0003}, {"fields", 0.0004}, {"blur", 0.0012},
+                        {"blur 13", 0.01}, {"defocus", 0.01}, {"gain 0.12", 0.01}, {"blur and dim", 0.01}};
 INSTANTIATE_TEST_CASE_P(/**/, SurgTrack_Light, testing::ValuesIn(LIGHTS));
 
 TEST(SurgTrack_Images, aPictureThatComesAgainIsNotBelieved)
