@@ -12,7 +12,7 @@ Evidence evidence(double similarity, double support, int parts = 8, double nis =
     Evidence e;
     e.similarity = similarity;
     e.support = support;
-    e.nis = parts > 0 ? nis : 0;
+    e.nis = nis;
     e.parts = parts;
     e.points = parts > 0;
     return e;
@@ -55,8 +55,8 @@ TEST(SurgTrack_Evidence, growsWithWhatItIsAskedFor)
     EXPECT_LT(T.first, T.confirmed);
     EXPECT_LT(T.confirmed, T.sure);
     // An outline alone goes on where it is well supported, and begins nothing: 20 px off it is 0.31 at most.
-    EXPECT_GT(evidence(0, 0.55, 0).logOdds() + T.prior, T.followed);
-    EXPECT_LT(evidence(0, 0.31, 0).logOdds() + T.prior, T.followed);
+    EXPECT_GT(evidence(0, 0.55, 0, 0).logOdds() + T.prior, T.followed);
+    EXPECT_LT(evidence(0, 0.31, 0, 0).logOdds() + T.prior, T.followed);
     EXPECT_FALSE(evidence(0, 1, 0).isFirstPose(T));
 }
 

@@ -97,7 +97,8 @@ TEST_P(SurgTrack_Wrists, areLearntAsTheyTravel)
     EXPECT_GT(without, w.better * learnt);
 }
 
-const Wrist WRISTS[] = {{"gain", 0.03, 0, 0, 1}, {"play", 0, 0.02, 0, 1}, {"coupling", 0, 0, 0.1, 1}, {"together", 0.03, 0.02, 0.1, 1}};
+// Measured: 5.6, 8.7, 14.4, 15.0; what is learnt leaves 0.003 to 0.004 rad, as if the readings were exact.
+const Wrist WRISTS[] = {{"gain", 0.03, 0, 0, 4}, {"play", 0, 0.02, 0, 6.5}, {"coupling", 0, 0, 0.1, 10}, {"together", 0.03, 0.02, 0.1, 11}};
 INSTANTIATE_TEST_CASE_P(All, SurgTrack_Wrists, testing::ValuesIn(WRISTS), WristNames());
 
 TEST(SurgTrack_JointErrors, exactReadingsLoseLittle)

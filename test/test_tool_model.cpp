@@ -185,7 +185,7 @@ TEST(SurgTrack_ToolModel, theWristsOffsetsAreUnknownUnlessTheFileSaysOtherwise)
             d.links[i].offsetDeviation = 0;
     }
     ASSERT_EQ(2, jaws);
-    const std::vector<double> expected = { 0, 0, 0, 0, 0.03, 0.03, 0.05 };
+    const std::vector<double> expected = { 0, 0, 0, 0, 0.06, 0.06, 0.05 };
     const Ptr<ToolModel> tool = ToolModel::create(d);
     EXPECT_EQ(expected, tool->offsetDeviations());
     const char* const names[] = { "a.yaml", "b.xml", "c.json" };

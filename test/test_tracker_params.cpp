@@ -152,7 +152,7 @@ TEST(SurgTrack_TrackerParams, adaptationFollowsAPushOfTheCamera)
     const std::vector<ToolEstimate> with = trackPushed(common(), true, push, adapted), without = trackPushed(common(), false, push, fixed);
     for (int frame = 0; frame < push; frame++) EXPECT_TRUE(same(with[frame], without[frame])) << frame;   // nothing else
     EXPECT_EQ(STATE_TRACKING, with[push].state);
-    EXPECT_NE(STATE_TRACKING, without[push].state);   // the tool is lost, and sought
+    EXPECT_GT(fixed[push], 4 * adapted[push]);        // the filter is too sure to move so far; measured: 1.8 mm
     if (printing()) std::cout << "pushed: " << adapted[push] * 1e3 << " mm, " << fixed[push] * 1e3 << " mm without" << std::endl;
     EXPECT_LT(adapted[push], 0.00028);                // measured: 0.15 mm; the push is 3 degrees and 3.5 mm
 }
@@ -242,9 +242,9 @@ TEST(SurgTrack_TrackerParams, minConfidenceIsWhatIsAskedOfAPose)
     const int frames = 8;
     for (int frame = 0; frame < frames; frame++)
     {
-        Mat blurred;   // not into the image that others have
-        GaussianBlur(common().images[frame], blurred, Size(), 4);
-        blurred.convertTo(dull.images[frame], CV_8U, 0.5);
+        dull.images[frame] = Mat();   // not into the image that others have
+        GaussianBlur(common().images[frame], dull.images[frame], Size(), 4.5);
+        dull.images[frame] *= 0.3;
         tissue.images[frame] = textured(Size(720, 576), 3, 40 + frame, 60, 160);
     }
     const double asked[] = {0, 0.5, 0.95};
@@ -273,7 +273,7 @@ TEST(SurgTrack_TrackerParams, minConfidenceIsWhatIsAskedOfAPose)
     EXPECT_GE(seen[0], seen[1]);
     EXPECT_GE(seen[1], seen[2]);
     EXPECT_GE(tracked[1], tracked[2]);
-    EXPECT_GT(seen[0], seen[2]);
+    EXPECT_GT(tracked[0], tracked[2]);
 }
 
 TEST(SurgTrack_TrackerParams, confirmFramesAreWaitedFor)

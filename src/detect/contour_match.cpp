@@ -14,8 +14,8 @@ ContourSearch::ContourSearch() : halfWindow(8), preference(0.5), minStrength(6),
 namespace {
 
 const int maxHalf = 40;   // [pixel]
-const int rampWidth = 5;        // where the gradient is at least half of its largest [pixel]; edges of a sharp image are narrower
-const float rampFoot = 0.3f;    // of the largest gradient: as far as the ramp reaches
+const float rampFoot = 0.5f;    // of the steepest place's gradient: a ramp ends where it is less. Farther out shading counts as well
+const int rampWidth = 5;        // [pixel]; edges of a sharp image are narrower
 
 // The image along a normal, a sample a pixel, bilinear.
 template <int channels> void readProfile(const Mat& image, const Point2d& from, const Point2d& step, int n, float* profile)
@@ -54,10 +54,10 @@ void profileEnergy(const float* profile, int channels, int n, float* energy)
     }
 }
 
-// From where to where the gradient is at least this share of that at a place.
-void findRamp(const float* energy, int n, int at, float share, int& l, int& r)
+// From where to where the gradient is steep about a place.
+void findRamp(const float* energy, int n, int at, int& l, int& r)
 {
-    const float least = share * share * energy[at];
+    const float least = rampFoot * rampFoot * energy[at];
     for (l = at; l > 2 && energy[l - 1] > least;) l--;
     for (r = at; r < n - 3 && energy[r + 1] > least;) r++;
 }
@@ -72,7 +72,7 @@ float rampMiddle(const float* profile, int channels, int n, int at)
     int l, r;
     while (at > 2 && energy[at - 1] > energy[at]) at--;
     while (at < n - 3 && energy[at + 1] > energy[at]) at++;
-    findRamp(energy, n, at, rampFoot, l, r);
+    findRamp(energy, n, at, l, r);
     const float foot = rampFoot * std::sqrt(energy[at]);
     float sum = 0, moment = 0;
     for (int j = l; j <= r; j++)
@@ -184,7 +184,7 @@ int matchContour(const Mat& image, std::vector<ContourPoint>& points, const Cont
         c.offset = best - reach + at - 2 + vertex(linear[at - 1], linear[at], linear[at + 1]);
         c.offset = std::min(std::max(c.offset, best - reach - 1.5), best - reach + 1.5);
         int l, r;
-        findRamp(energy, n, best, 0.5f, l, r);
+        findRamp(energy, n, best, l, r);
         if (r - l >= rampWidth) c.offset = rampMiddle(profile, channels, n, best) - reach;
         c.strength = std::sqrt(energy[best]);
         c.deviation = std::sqrt(0.3 * 0.3 + unit * unit / energy[best]);
