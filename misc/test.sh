@@ -155,7 +155,7 @@ while v.read()[0]:
 assert n == int(sys.argv[2]), "%d frames" % n' "$1" "$2"
 }
 
-for checks in wings without_vtk evaluation cluster python_docs stereo rig import look handeye live manners docs; do
+for checks in wings without_vtk evaluation cluster python_docs stereo rig import look handeye live manners confidence docs; do
   # shellcheck source=/dev/null
   source "$REPO/misc/checks/$checks.sh"
 done
@@ -201,6 +201,7 @@ run_samples() {
   run_handeye "$work"
   run_live "$work"
   run_manners "$work"
+  run_confidence "$work"
   run_docs "$work"
   sample "refused: no such sequence" refuses "$work/none" "$track" --sequence="$work/none"
   sample "refused: no such method" refuses method "$track" --sequence="$work/sequence" --method=none

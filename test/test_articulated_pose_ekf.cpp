@@ -2,100 +2,9 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
-#include "test_common.hpp"
+#include "test_filter_bench.hpp"
 
 namespace opencv_test { namespace {
-
-const double DEGREE = CV_PI / 180;
-const Matx44d SAME_EYE = Matx44d::eye();
-
-Matx44d rightEye()
-{
-    return rigid(rotationMatrix(Vec3d(0.01, -0.03, 0.005)), Point3d(-0.0052, 0.0003, 0.0001));
-}
-
-// Small motion about a centre, as the filter's error state has it: Trans(c + v) Exp(omega) Trans(-c).
-Matx44d motionAbout(const Point3d& c, const Vec3d& omega, const Vec3d& v)
-{
-    const Matx33d R = rotationMatrix(omega);
-    return rigid(R, c + Point3d(v) - R * c);
-}
-
-// Tool and readings, and the truth: the camera sees `tool`, the filter is told of a wrong hand-eye calibration and wrong readings.
-struct Bench
-{
-    explicit Bench(const PosedTool& _tool, const Matx44d& _correction = Matx44d::eye(), const std::vector<double>& _offsets = std::vector<double>())
-        : tool(_tool), correction(_correction), offsets(_offsets)
-    {
-        offsets.resize(tool.joints.size(), 0.);
-        nominal_T_base = correction.inv() * tool.view.camera_T_base;
-        for (size_t i = 0; i < tool.model->keypoints().size(); i++) parts.push_back(int(i));
-    }
-
-    std::vector<double> readings() const
-    {
-        std::vector<double> result = tool.joints;
-        for (size_t i = 0; i < result.size(); i++) result[i] -= offsets[i];
-        return result;
-    }
-
-    // The arm moves; its base stays.
-    void move(const std::vector<double>& joints)
-    {
-        tool.joints = joints;
-        tool.model->forwardKinematics(joints, tool.view.base_T_link);
-    }
-
-    Point3d keypoint(const ToolView& view, int part) const
-    {
-        const ToolModel::Keypoint& k = tool.model->keypoints()[part];
-        return transformed(view.camera_T_base * view.base_T_link[k.link], k.linkPoint);
-    }
-
-    Point3d centre(const ToolView& view) const
-    {
-        Point3d sum;
-        for (int part : parts) sum += keypoint(view, part) * (1. / parts.size());
-        return sum;
-    }
-
-    Matx44d toolPose(const ToolView& view) const { return view.camera_T_base * tool.model->endEffectorFromLinks(view.base_T_link); }
-
-    std::vector<Point2d> seen(const CameraModel& camera, const Matx44d& eye_T_camera = SAME_EYE, double noise = 0, RNG* rng = 0) const
-    {
-        std::vector<Point2d> result;
-        for (int part : parts)
-        {
-            Point2d p = camera.project(transformed(eye_T_camera, tool.keypoint(part)));
-            if (noise > 0) p += Point2d(rng->gaussian(noise), rng->gaussian(noise));
-            result.push_back(p);
-        }
-        return result;
-    }
-
-    Ptr<ArticulatedPoseEKF> filter(const ArticulatedPoseEKF::Params& params = ArticulatedPoseEKF::Params()) const
-    {
-        return ArticulatedPoseEKF::create(tool.model, nominal_T_base, params);
-    }
-
-    PosedTool tool;
-    Matx44d correction, nominal_T_base;
-    std::vector<double> offsets;
-    std::vector<int> parts;
-};
-
-// Takes in the points of some parts, so many times about the state found before.
-bool correct(ArticulatedPoseEKF& filter, const CameraModel& camera, const std::vector<int>& parts, const std::vector<Point2d>& points, int iterations = 1)
-{
-    std::vector<uchar> used;
-    for (int i = 0; i < iterations; i++)
-    {
-        filter.begin();
-        filter.addPoints(camera, SAME_EYE, parts, points, used);
-        if (!filter.solve()) return false;
-    }
-    return true;
-}
 
 // Coordinates with an offset, in the order of the state.
 std::vector<int> offsetCoordinates(const ToolModel& model)
@@ -130,16 +39,6 @@ bool isSymmetricPositiveDefinite(const Mat& P)
     Mat values;
     return checkRange(P) && cvtest::norm(P, Mat(P.t()), NORM_INF) <= 1e-12 * cvtest::norm(P, NORM_INF) && cv::eigen(P, values)
         && values.at<double>(P.rows - 1) > 0;
-}
-
-std::vector<double> joints(const PosedTool& tool, double q4, double q5, double q6, double jaw)
-{
-    PosedTool moved = tool;
-    moved.set("q4", q4);
-    moved.set("q5", q5);
-    moved.set("q6", q6);
-    moved.set("jaw", jaw);
-    return moved.joints;
 }
 
 std::vector<double> wristOffsets(double q4, double q5, double q6, double jaw)
@@ -180,7 +79,7 @@ TEST(SurgTrack_ArticulatedEKF, startsFromTheCalibrationAndTheReadings)
         ASSERT_EQ(CV_64FC1, P.type());
         EXPECT_EQ(10, countNonZero(P));      // diagonal
         for (int i = 0; i < 10; i++)
-            EXPECT_NEAR(i < 3 ? params.initialRotation : i < 6 ? params.initialTranslation : 0.03, deviation(P, i), 1e-15);   // rounding
+            EXPECT_NEAR(i < 3 ? params.initialRotation : i < 6 ? params.initialTranslation : 0.06, deviation(P, i), 1e-15);   // rounding
         filter->predict(bench.readings());
         EXPECT_LT(cv::norm(filter->view().camera_T_base - bench.nominal_T_base, NORM_INF), 1e-15);   // rounding
         ASSERT_TRUE(correct(*filter, endoscope(), bench.parts, bench.seen(endoscope())));
@@ -507,7 +406,7 @@ TEST(SurgTrack_ArticulatedEKF, anotherCalibrationMovesNothing)
     filter->setHandEye(bench.tool.view.camera_T_base);   // the true one
     EXPECT_LT(cv::norm(bench.toolPose(filter->view()) - pose, NORM_INF), 1e-12);   // rounding
     EXPECT_EQ(0, cv::norm(filter->poseCovariance() - P, NORM_INF) > 1e-15);
-    EXPECT_LT(rotationAngle(filter->correction(), Matx44d::eye()), 0.01);
+    EXPECT_LT(rotationAngle(filter->correction(), Matx44d::eye()), 0.012);   // of 0.024; offsets of 0.06 rad may explain half of a turn in one frame
     EXPECT_ERROR(filter->setHandEye(Matx44d::zeros()), "nominal_T_base");
     EXPECT_ERROR(filter->moveCamera(Matx44d::zeros()), "now_T_before");
 }
@@ -522,12 +421,14 @@ TEST(SurgTrack_ArticulatedEKF, aRepeatedCorrectionTakesThePlaceOfTheOneBefore)
     const std::vector<Point2d> points = bench.seen(camera);
     ASSERT_TRUE(correct(*filter, camera, bench.parts, points));
     const Mat once = filter->covariance();
+    const Matx66d pose = filter->poseCovariance();
     ASSERT_TRUE(correct(*filter, camera, bench.parts, points, 10));
     EXPECT_LT(cvtest::norm(once, filter->covariance(), NORM_INF), 1e-12 * cvtest::norm(once, NORM_INF));   // rounding
     // In two frames it is taken in twice.
     filter->predict(bench.readings());
     ASSERT_TRUE(correct(*filter, camera, bench.parts, points));
-    for (int i = 0; i < 6; i++) EXPECT_LT(deviation(filter->covariance(), i), 0.95 * deviation(once, i)) << i;   // 0.71 without Q and prior
+    // Of the pose: what is the correction's and what the offsets' share no posture tells alone.
+    for (int i = 0; i < 6; i++) EXPECT_LT(std::sqrt(filter->poseCovariance()(i, i)), 0.95 * std::sqrt(pose(i, i))) << i;   // 0.71 without Q and prior
 
     // Points elsewhere: further repetitions only move to where the linearization ends, the most probable state.
     const Bench off(PosedTool(0.1), motionAbout(Point3d(0, 0, 0.1), Vec3d(0.02, -0.01, 0.03), Vec3d(0.002, 0.001, -0.003)), wristOffsets(0.02, -0.01, 0.01, 0.02));
@@ -628,7 +529,7 @@ TEST(SurgTrack_ArticulatedEKF, aFrameAddsTheProcessNoiseTimesItsGrowth)
     {
         Mat expected = filter->covariance();
         for (int i = 0; i < 6; i++) expected.at<double>(i, i) += std::pow(growth * (i < 3 ? params.processRotation : params.processTranslation), 2);
-        for (int i = 6; i < 10; i++) expected.at<double>(i, i) += std::pow(growth * params.processJoint * 0.03, 2);
+        for (int i = 6; i < 10; i++) expected.at<double>(i, i) += std::pow(growth * params.processJoint * 0.06, 2);   // no travel yet: of the offsets alone
         filter->predict(bench.readings(), growth);
         EXPECT_LT(cvtest::norm(expected, filter->covariance(), NORM_INF), 1e-16);   // rounding of 1e-2 [rad^2]
     }
@@ -685,7 +586,7 @@ TEST(SurgTrack_ArticulatedEKF, theJawStopsWhenItIsClosed)
     std::vector<double> stop = bench.readings();
     filter->predict(bench.readings());
     ASSERT_TRUE(correct(*filter, camera, bench.parts, points, 5));
-    EXPECT_EQ(stopped, filter->offsets()[6]);
+    EXPECT_NEAR(stopped, filter->offsets()[6], 1e-15);   // the sum of what is wrong with a reading: rounding
     for (int i = 0; i < 7; i++) stop[i] += filter->offsets()[i];
     stop[6] = 0;
     bench.tool.model->forwardKinematics(stop, closed);
@@ -694,7 +595,7 @@ TEST(SurgTrack_ArticulatedEKF, theJawStopsWhenItIsClosed)
     // However often it is repeated, the stop does not push the rest away.
     const Matx44d correction = filter->correction();
     ASSERT_TRUE(correct(*filter, camera, bench.parts, points, 30));
-    EXPECT_EQ(stopped, filter->offsets()[6]);
+    EXPECT_NEAR(stopped, filter->offsets()[6], 1e-15);   // the sum of what is wrong with a reading: rounding
     EXPECT_LT(cv::norm(filter->correction() - correction, NORM_INF), 1e-6);   // converged
 
     // A reading beyond the stop is left as it is, but not made worse.
@@ -703,7 +604,7 @@ TEST(SurgTrack_ArticulatedEKF, theJawStopsWhenItIsClosed)
     filter->reset();
     filter->predict(beyond);
     ASSERT_TRUE(correct(*filter, camera, bench.parts, points, 5));
-    EXPECT_EQ(0, filter->offsets()[6]);
+    EXPECT_NEAR(0, filter->offsets()[6], 1e-15);
 }
 
 TEST(SurgTrack_ArticulatedEKF, resetStartsFromTheCorrectionGiven)

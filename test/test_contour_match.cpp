@@ -128,6 +128,45 @@ TEST(SurgTrack_ContourMatch, sharpAndSoftEdgesAreFoundAlike)
     }
 }
 
+// An edge that moved by so much while the shutter was open.
+Mat movedEdge(double offset, double in, double out, double angle, double width, const Point2d& centre = Point2d(40.3, 39.6))
+{
+    const Point2d normal(std::cos(angle), std::sin(angle));
+    Mat result(80, 80, CV_8U);
+    for (int y = 0; y < result.rows; y++)
+        for (int x = 0; x < result.cols; x++)
+        {
+            const double at = ((Point2d(x, y) - centre).dot(normal) - offset) / width + 0.5;
+            result.at<uchar>(y, x) = toned(in + (out - in) * std::min(std::max(at, 0.), 1.));
+        }
+    return result;
+}
+
+TEST(SurgTrack_ContourMatch, anEdgeBlurredByMotionIsInTheMiddleOfItsRamp)
+{
+    const double sides[][2] = {{0.05, 0.5}, {0.2, 0.5}};
+    for (int width = 5; width <= 13; width += 2)
+        for (const double* side : sides)
+        {
+            double worst = 0, bias = 0;
+            int n = 0;
+            for (int direction = 0; direction < 12; direction++)
+                for (double offset = -2; offset <= 2; offset += 0.37)
+                    for (int polarity = 0; polarity < 2; polarity++)
+                    {
+                        const double angle = direction * CV_2PI / 12;
+                        ContourPoint c;
+                        ASSERT_TRUE(match(movedEdge(offset, side[1 - polarity], side[polarity], angle, width), angle, c)) << width << ", offset " << offset;
+                        worst = std::max(worst, std::abs(c.offset - offset));
+                        bias += (polarity ? 1 : -1) * (c.offset - offset);   // towards the bright side
+                        n++;
+                    }
+            if (std::getenv("SURGTRACK_TEST_PRINT")) std::cout << width << " px, " << side[0] << ": worst " << worst << ", bias " << bias / n << " px" << std::endl;
+            EXPECT_LT(std::abs(bias / n), 0.06) << width << ", " << side[0];   // as that of sharp edges; 0.6 to 1.6 if grey levels were not squared
+            EXPECT_LT(worst, 0.3) << width << ", " << side[0];                 // steps of rounded grey levels, which end a ramp early or late
+        }
+}
+
 TEST(SurgTrack_ContourMatch, ambiguousEdgesAreLeftOut)
 {
     // Two edges alike, on both sides of the expected place.

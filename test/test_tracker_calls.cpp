@@ -76,6 +76,13 @@ TEST(SurgTrack_Tracker, rejectsBadSetUp)
     params = ToolTracker::Params();
     params.initialWindow = 0;
     EXPECT_ERROR(ToolTracker::create(camera, params), "initialWindow");
+    const double notProbabilities[] = {-0.1, 1, NOT_A_NUMBER};
+    for (double value : notProbabilities)
+    {
+        params = ToolTracker::Params();
+        params.minConfidence = value;
+        EXPECT_ERROR(ToolTracker::create(camera, params), "minConfidence");
+    }
 
     Ptr<ToolTracker> tracker = ToolTracker::create(camera);
     Estimates e;

@@ -26,10 +26,14 @@ std::vector<ToolEstimate> trackAll(const Recording& r, const Params& params, int
     return result;
 }
 
-// All of them the same but for their states.
+// All of them the same but for their states, and for the confidence: a pose that does not count as tracking yet makes no other surer.
 bool sameButStates(std::vector<ToolEstimate> a, const std::vector<ToolEstimate>& b)
 {
-    for (size_t i = 0; i < a.size() && i < b.size(); i++) a[i].state = b[i].state;
+    for (size_t i = 0; i < a.size() && i < b.size(); i++)
+    {
+        a[i].state = b[i].state;
+        a[i].confidence = b[i].confidence;
+    }
     return same(a, b);
 }
 
@@ -148,8 +152,8 @@ TEST(SurgTrack_TrackerParams, adaptationFollowsAPushOfTheCamera)
     const std::vector<ToolEstimate> with = trackPushed(common(), true, push, adapted), without = trackPushed(common(), false, push, fixed);
     for (int frame = 0; frame < push; frame++) EXPECT_TRUE(same(with[frame], without[frame])) << frame;   // nothing else
     EXPECT_EQ(STATE_TRACKING, with[push].state);
-    EXPECT_NE(STATE_TRACKING, without[push].state);   // the tool is lost, and sought
-    if (printing()) std::cout << "pushed: " << adapted[push] * 1e3 << " mm" << std::endl;
+    EXPECT_GT(fixed[push], 4 * adapted[push]);        // the filter is too sure to move so far; measured: 1.8 mm
+    if (printing()) std::cout << "pushed: " << adapted[push] * 1e3 << " mm, " << fixed[push] * 1e3 << " mm without" << std::endl;
     EXPECT_LT(adapted[push], 0.00028);                // measured: 0.15 mm; the push is 3 degrees and 3.5 mm
 }
 
@@ -229,6 +233,47 @@ TEST(SurgTrack_TrackerParams, minInitialSimilarityIsThePapersAlone)
     const std::vector<ToolEstimate> before = trackAll(common(), p, 4);
     p.minInitialSimilarity = 0.99;
     EXPECT_TRUE(same(before, trackAll(common(), p, 4)));
+}
+
+TEST(SurgTrack_TrackerParams, minConfidenceIsWhatIsAskedOfAPose)
+{
+    // Too blurred to be sure of, and tissue without a tool.
+    Recording dull = common(), tissue = common();
+    const int frames = 8;
+    for (int frame = 0; frame < frames; frame++)
+    {
+        dull.images[frame] = Mat();   // not into the image that others have
+        GaussianBlur(common().images[frame], dull.images[frame], Size(), 4.5);
+        dull.images[frame] *= 0.3;
+        tissue.images[frame] = textured(Size(720, 576), 3, 40 + frame, 60, 160);
+    }
+    const double asked[] = {0, 0.5, 0.95};
+    int seen[3], wrong[3], tracked[3];
+    for (int i = 0; i < 3; i++)
+    {
+        Params p;
+        p.minConfidence = asked[i];
+        seen[i] = wrong[i] = tracked[i] = 0;
+        for (const ToolEstimate& e : trackAll(dull, p, frames))
+        {
+            seen[i] += e.confidence > 0;
+            tracked[i] += e.state == STATE_TRACKING;
+            EXPECT_GE(e.confidence > 0 ? e.confidence : 1, asked[i]) << e.confidence;
+        }
+        for (const ToolEstimate& e : trackAll(tissue, p, frames))
+        {
+            wrong[i] += e.confidence > 0;
+            EXPECT_LT(e.confidence, 0.5);   // whoever asks for none can still judge
+        }
+        if (printing()) std::cout << asked[i] << ": " << seen[i] << " seen, " << tracked[i] << " tracked, " << wrong[i] << " on tissue" << std::endl;
+    }
+    EXPECT_GT(wrong[0], 0);
+    EXPECT_EQ(0, wrong[1]);
+    EXPECT_EQ(0, wrong[2]);
+    EXPECT_GE(seen[0], seen[1]);
+    EXPECT_GE(seen[1], seen[2]);
+    EXPECT_GE(tracked[1], tracked[2]);
+    EXPECT_GT(tracked[0], tracked[2]);
 }
 
 TEST(SurgTrack_TrackerParams, confirmFramesAreWaitedFor)

@@ -144,7 +144,7 @@ TEST(SurgTrack_Tracker, theFirstFrameIsATrackIfTheEvidenceIsStrong)
 {
     const ToolEstimate e = common().update(*common().tracker(METHOD_FULL), 0)[0];
     EXPECT_EQ(STATE_TRACKING, e.state);
-    EXPECT_GE(e.similarity + e.contourSupport, 1.25);   // as the class says
+    EXPECT_GE(e.confidence, 0.98);   // what one needs without a second frame: log odds of 3.9
     EXPECT_LT(distance(e.camera_T_tool, common().scene->truePose(0, 0)), 0.00023);   // measured: 0.12 mm
 }
 

@@ -34,7 +34,7 @@ CPP_ONLY = {
     'meanSimilarity': 'numpy does it',
     'GeometricContextVerifier.copySample': 'saves a copy of memory: sample() is the same',
     'ArticulatedPoseEKF.Belief': 'of State',
-    'ArticulatedPoseEKF.const int MAX_OFFSETS = 10, MAX_STATES = 6 + MAX_OFFSETS': 'sizes of State',
+    'ArticulatedPoseEKF.const int MAX_OFFSETS = 10, MAX_STATES = 40': 'sizes of State',
     'ArticulatedPoseEKF.State': 'an image of memory; copyTo() keeps a filter as it is',
     'ArticulatedPoseEKF.state': 'see State',
     'ArticulatedPoseEKF.setState': 'see State',

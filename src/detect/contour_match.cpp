@@ -14,8 +14,8 @@ ContourSearch::ContourSearch() : halfWindow(8), preference(0.5), minStrength(6),
 namespace {
 
 const int maxHalf = 40;   // [pixel]
-const float rampEnergy = 0.25f;   // of the steepest place: where the gradient is half of it
-const int rampWidth = 5;          // [pixel]; edges of a sharp image are narrower
+const float rampFoot = 0.5f;    // of the steepest place's gradient: a ramp ends where it is less. Farther out shading counts as well
+const int rampWidth = 5;        // [pixel]; edges of a sharp image are narrower
 
 // The image along a normal, a sample a pixel, bilinear.
 template <int channels> void readProfile(const Mat& image, const Point2d& from, const Point2d& step, int n, float* profile)
@@ -52,6 +52,36 @@ void profileEnergy(const float* profile, int channels, int n, float* energy)
             energy[j] += g * g;
         }
     }
+}
+
+// From where to where the gradient is steep about a place.
+void findRamp(const float* energy, int n, int at, int& l, int& r)
+{
+    const float least = rampFoot * rampFoot * energy[at];
+    for (l = at; l > 2 && energy[l - 1] > least;) l--;
+    for (r = at; r < n - 3 && energy[r + 1] > least;) r++;
+}
+
+/* A blurred edge is a ramp as wide as the blur, and has no steepest place: its middle, in light, is where the edge is. Weights fall to 0
+   where the ramp ends, so that it does not matter which pixel is its last one. */
+float rampMiddle(const float* profile, int channels, int n, int at)
+{
+    float light[3 * (2 * maxHalf + 9)], energy[2 * maxHalf + 9];
+    for (int i = 0; i < channels * n; i++) light[i] = profile[i] * profile[i];
+    profileEnergy(light, channels, n, energy);
+    int l, r;
+    while (at > 2 && energy[at - 1] > energy[at]) at--;
+    while (at < n - 3 && energy[at + 1] > energy[at]) at++;
+    findRamp(energy, n, at, l, r);
+    const float foot = rampFoot * std::sqrt(energy[at]);
+    float sum = 0, moment = 0;
+    for (int j = l; j <= r; j++)
+    {
+        const float weight = std::sqrt(energy[j]) - foot;
+        sum += weight;
+        moment += weight * j;
+    }
+    return moment / sum;
 }
 
 // Whether the profile of a point lies in the image, and from where.
@@ -153,21 +183,9 @@ int matchContour(const Mat& image, std::vector<ContourPoint>& points, const Cont
         else if (linear[3] > linear[2]) at = 3;
         c.offset = best - reach + at - 2 + vertex(linear[at - 1], linear[at], linear[at + 1]);
         c.offset = std::min(std::max(c.offset, best - reach - 1.5), best - reach + 1.5);
-        // A blurred edge is a ramp as wide as the blur, and has no steepest place: its middle is where the edge is.
-        int l = best, r = best;
-        while (l > 2 && energy[l - 1] > rampEnergy * energy[best]) l--;
-        while (r < n - 3 && energy[r + 1] > rampEnergy * energy[best]) r++;
-        if (r - l >= rampWidth)
-        {
-            float sum = 0, moment = 0;
-            for (int j = l; j <= r; j++)
-            {
-                const float weight = std::sqrt(energy[j]);
-                sum += weight;
-                moment += weight * j;
-            }
-            c.offset = moment / sum - reach;
-        }
+        int l, r;
+        findRamp(energy, n, best, l, r);
+        if (r - l >= rampWidth) c.offset = rampMiddle(profile, channels, n, best) - reach;
         c.strength = std::sqrt(energy[best]);
         c.deviation = std::sqrt(0.3 * 0.3 + unit * unit / energy[best]);
         found++;

@@ -130,7 +130,8 @@ void ArticulatedPoseEKFImpl::reset(const Matx44d& correction)
     for (int i = 6; i < n_; i++) state_.P(i, i) = std::pow(prior(i), 2);
     state_.nis = 0;
     state_.placed = false;
-    if (!reference_.empty()) reference_ = joints_;   // nothing is known of travel
+    reference_.clear();   // nothing is known of travel
+    std::fill(directions_.begin(), directions_.end(), 0.);
     setReadings(joints_);
     predictedNow();
 }

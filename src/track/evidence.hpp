@@ -29,7 +29,15 @@ struct EvidenceModel
 
 struct EvidenceThresholds
 {
-    EvidenceThresholds() : first(0), confirmed(2.2), sure(3.9), followed(1), prior(2), minParts(4), pushedGain(0.6) {}
+    //! @param minConfidence Params::minConfidence: by its odds what follows is more or less than if it is 0.5
+    explicit EvidenceThresholds(double minConfidence = 0.5) : first(0), confirmed(2.2), sure(3.9), followed(1), prior(2), minParts(4), pushedGain(0.6)
+    {
+        const double more = std::log(minConfidence / (1 - minConfidence));
+        first += more;
+        confirmed += more;
+        sure += more;
+        followed += more;
+    }
 
     // Log odds: 0 is a probability of 0.5, 1 of 0.73, 2.2 of 0.9, 3.9 of 0.98.
     double first;       // of a pose worth a second frame
@@ -62,7 +70,7 @@ struct Evidence
                - m.nis * std::sqrt(std::min(nis, m.mostNis));
     }
     //! Enough to be taken for one of the first poses.
-    bool isFirstPose(const EvidenceThresholds& t) const { return parts > t.minParts && logOdds() >= t.first; }
+    bool isFirstPose(const EvidenceThresholds& t) const { return plausible && parts > t.minParts && logOdds() >= t.first; }
     //! Enough without a second frame. @param minInliers Params::minInitialInliers
     bool isSure(const EvidenceThresholds& t, int minInliers) const { return logOdds() >= t.sure && parts >= minInliers; }
 };

@@ -47,7 +47,7 @@ const double maxContourTurn = 0.05;    // [rad]
 FullMethod::FullMethod(int index, const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const ToolTracker::Params& params, double pixelScale,
                        const ArticulatedPoseEKF::Params& filter, const ToolContour::Params& contour, const ContourSearch& edges)
     : ToolMethod(index, model, nominal_T_base, params, pixelScale), filter_(ArticulatedPoseEKF::create(model, nominal_T_base, filter)),
-      contour_(ToolContour::create(model, contour)), edges_(edges)
+      contour_(ToolContour::create(model, contour)), edges_(edges), thresholds_(params.minConfidence)
 {
     const size_t parts = model->keypoints().size();
     windows_.deviations.reserve(parts);
@@ -280,11 +280,12 @@ double FullMethod::prior(double time) const
 {
     if (searched_ || (state_ != STATE_TRACKING && state_ != STATE_COASTING)) return 0;
     const double unseen = state_ == STATE_TRACKING ? 0 : (time - lastSeen_) / std::max(params_.coastingTime, DBL_EPSILON);
-    return std::min(logOdds_, thresholds_.prior) * std::max(0., 1 - unseen);
+    return std::max(0., std::min(logOdds_, thresholds_.prior)) * std::max(0., 1 - unseen);
 }
 
 bool FullMethod::continues(const Scene& scene) const
 {
+    if (!evidence_.plausible) return false;
     const double past = prior(scene.time), all = evidence_.logOdds() + past;
     // A first pose that is neither confirmed nor refuted makes room for others.
     return past > 0 ? all >= thresholds_.followed : evidence_.points && all >= thresholds_.first && confirmed_ <= params_.confirmFrames + unsureFrames;

@@ -26,6 +26,7 @@ void checkParams(const ToolTracker::Params& p)
     CV_Check(p.initialWindow, p.initialWindow > 0 && p.initialWindow < DBL_MAX, "Params::initialWindow must be positive");
     CV_Check(p.minWindow, p.minWindow > 0 && p.minWindow < 1e5, "Params::minWindow must be positive");
     CV_Check(p.minInitialSimilarity, p.minInitialSimilarity >= 0 && p.minInitialSimilarity <= 1, "Params::minInitialSimilarity must be in 0..1");
+    CV_Check(p.minConfidence, p.minConfidence >= 0 && p.minConfidence < 1, "Params::minConfidence must be at least 0 and less than 1");
     CV_CheckGE(p.confirmFrames, 0, "Params::confirmFrames must not be negative");
     CV_Check(p.coastingTime, p.coastingTime >= 0 && p.coastingTime < DBL_MAX, "Params::coastingTime must not be negative");
 }

@@ -9,7 +9,7 @@ namespace cv { namespace surgtrack {
 
 ToolTracker::Params::Params()
     : method(METHOD_FULL), jointOffsets(true), contours(true), adaptation(true), initialWindow(0.014), minWindow(30), minInitialInliers(6),
-      minInitialSimilarity(0.65), confirmFrames(1), coastingTime(2), seed(1)
+      minInitialSimilarity(0.65), minConfidence(0.5), confirmFrames(1), coastingTime(2), seed(1)
 {
 }
 

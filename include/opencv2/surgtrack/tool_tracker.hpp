@@ -60,20 +60,24 @@ place of the filter.
 METHOD_FULL, per frame:
 - Parts are drawn, found and verified as above, in each eye. Samples of the geometric context that scale or turn too much are
   skipped and the best one is taken, not the first: fewer wrong inliers.
-- ArticulatedPoseEKF takes them in. It has the offset of each wrist and jaw reading in its state, beside the correction: cables
-  stretch, and no rigid correction repairs a reading.
+- ArticulatedPoseEKF takes them in. It has what is wrong with each wrist and jaw reading in its state (offset, gain, play, coupling),
+  beside the correction: cables stretch, and no rigid correction repairs a reading.
 - The outline is placed where this pose has it (ToolContour), edges are sought on its normals (matchContour()), within 8, 5 and
   3 pixels in turn (at 720 px width), and taken in together with the parts. Parts tell from far off where the tool is, to some
   pixels; edges are many and exact to a fraction of a pixel, but need a pose within some pixels to begin with.
-- Evidence is `similarity + contourSupport`. Tissue may look like parts, or like an outline, but not like both at once. A tool that is
-  followed needs least of it, one that is not needs more, and one that is to count as tracking without a second frame needs most. The
-  outline alone does where fewer than four parts are seen, if it is well supported. (Thresholds: src/track/evidence.hpp.)
+- Evidence is the log odds of the pose being right: how many parts were found and how alike, how much of the outline is where the pose
+  has it, and how badly the points fit (a logistic model, fitted to poses that are known to be right or wrong). Tissue may look like parts,
+  or like an outline, but not like both at once. One that follows from the frame before has that one's log odds besides, up to a limit,
+  so an outline alone does for a while. A first pose needs more of its own, and one that is to count as tracking without a second frame
+  most. ToolEstimate::confidence is the probability. (Coefficients and thresholds: src/track/evidence.hpp.)
 - A push of the camera: where points or edges fit badly to a correction that changes slowly, the frame is measured once more with
   P grown by what a push does; if that has more evidence it is kept, and the process noise stays raised for some frames. If it has
-  not and the points fit badly, they are the wrong ones: the outline alone is taken.
+  not and the points fit badly, they are the wrong ones: the outline alone is taken. During a push, and where there is much less evidence
+  than in the frames before, nearer edges and other depths are tried as well.
 - First pose: nine drawings (paper, Sec. 2.1: scales 0.8, 1, 1.2, rotations 0, +-15 degrees); the three with the largest summed
   similarity are fitted, parts and outline, in four rounds each; the one with the most evidence is taken, as the summed similarity
-  alone does not tell good from bad. The process noise is raised for the frames after it: two poses may look alike in one frame.
+  alone does not tell good from bad. If none is good enough, the next frames do the same about the calibration turned out of the image
+  by 10 degrees, to one side after the other. The process noise is raised for the frames after a first pose: two may look alike in one frame.
 - A tool that is not seen is sought in every frame with one of the nine drawings, in turn about its last pose and about the
   hand-eye calibration itself, since either may be the better guess. What is found there must be confirmed by the next frames;
   else the tool goes back to the last pose that was tracked. Meanwhile P grows.
@@ -101,6 +105,7 @@ public:
         CV_PROP_RW double minWindow;           //!< smallest half-width of the search window while tracking [pixel at 720 px width]
         CV_PROP_RW int minInitialInliers;      //!< matches needed for a first pose (paper's release: more than 6); METHOD_FULL: to count as tracking at once, else five
         CV_PROP_RW double minInitialSimilarity;   //!< their least mean similarity; bare tissue gives up to 0.6, a tool 0.75 and more. Not METHOD_FULL, which has the outline too
+        CV_PROP_RW double minConfidence;       //!< METHOD_FULL: what ToolEstimate::confidence a first pose must have to be worth another frame, 0..1 (default 0.5). What is asked of tracking moves with it, in odds: more of it starts and goes on less readily, and is wrong less often. 0: no pose is refused, the caller judges
         CV_PROP_RW int confirmFrames;          //!< frames that must confirm a first pose before it counts as tracking; METHOD_FULL needs none where the evidence is strong
         CV_PROP_RW double coastingTime;        //!< without a measurement for longer a tool is lost [s]
         CV_PROP_RW int seed;                   //!< of all random choices

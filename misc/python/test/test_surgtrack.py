@@ -382,7 +382,7 @@ class surgtrack_test(NewOpenCVTests):
             st.placeContour(self.camera, st.ToolView(), points)
 
     def test_offset_deviations(self):
-        np.testing.assert_array_equal(np.ravel(self.model.offsetDeviations()), [0, 0, 0, 0.03, 0.03, 0.03, 0.03])   # the wrist and the jaw
+        np.testing.assert_array_equal(np.ravel(self.model.offsetDeviations()), [0, 0, 0, 0.06, 0.06, 0.06, 0.06])   # the wrist and the jaw
 
     def test_gradient_orientations(self):
         image = np.zeros((40, 60), np.uint8)

@@ -279,7 +279,7 @@ class ToolModel:
     def offsetDeviations(self) -> NDArray[np.float64]:
         """How wrong joint readings may be: prior standard deviation of a constant offset, one per coordinate [rad or m]; 0 = exact,
         or not to be told from an error of the hand-eye calibration. What the links of a coordinate state (Link.offsetDeviation);
-        by default 0.03 rad for revolute joints beyond one that slides, and 0 for all others.
+        by default 0.06 rad for revolute joints beyond one that slides, and 0 for all others.
         """
         ...
     def getMesh(self, index: int, vertices: Optional[NDArray[Any]] = ..., triangles: Optional[NDArray[Any]] = ...) -> Tuple[NDArray[Any], NDArray[Any]]:
@@ -915,10 +915,11 @@ def matchContour(image: NDArray[Any], points: _Sequence[ContourPoint], search: C
 class ArticulatedPoseEKF:
     """The filter of METHOD_FULL: the error of the hand-eye calibration and those of the joint readings.
 
-    State: the correction camera_T_nominal and an offset for each coordinate with ToolModel.offsetDeviations() > 0 (the first ten). Its error is
-    (omega, v, d), omega and v a small motion of the tool about its own centre c in the camera frame,
-    `camera_T_nominal <- Trans(c + v) Exp(omega) Trans(-c) camera_T_nominal`, d that of the offsets; so rotation and translation are
-    nearly independent, and P is moved to the new centre as the tool moves. Process: constant, with noise Q. Measurements: points of
+    State: the correction camera_T_nominal and, of each coordinate with ToolModel.offsetDeviations() > 0 (the first ten), constants of what
+    is wrong with its readings: an offset, a gain, play, and the coupling to the coordinate before it. The sum of them at this frame's
+    readings, d, is added to these. The state's error is (omega, v, theta), omega and v a small motion of the tool about its own centre c in
+    the camera frame, `camera_T_nominal <- Trans(c + v) Exp(omega) Trans(-c) camera_T_nominal`, theta that of the constants; so rotation and
+    translation are nearly independent, and P is moved to the new centre as the tool moves. Process: constant, with noise Q. Measurements: points of
     parts and edges on contour normals, of one camera or several, all at once.
     """
     class Params:
@@ -932,7 +933,13 @@ class ArticulatedPoseEKF:
         processTranslation: float
         """the same [m]"""
         processJoint: float
-        """the same, of joint offsets, as a share of their first deviation"""
+        """the same, of what is wrong with the joints' readings, as a share of its prior deviation"""
+        gain: float
+        """prior standard deviation of a turning joint's gain, of its travel; 0 = none, as of the next two; defaults: what a real PSM had"""
+        play: float
+        """the same, of half its play [rad]"""
+        coupling: float
+        """the same, of a share of the travel of the coordinate before it"""
         pointNoise: float
         """standard deviation of a part's image point [pixel]"""
         gate: float
@@ -1051,7 +1058,7 @@ class ArticulatedPoseEKF:
         """One per coordinate: the readings with their offsets, and no jaw beyond its stop [rad or m]."""
         ...
     def covariance(self) -> NDArray[Any]:
-        """CV_64F, of (omega, v, d)."""
+        """CV_64F, of (omega, v, d): d is the sum of what is wrong with each reading now."""
         ...
     def nis(self) -> float:
         """Normalised innovation squared of the last solve(), per degree of freedom."""
@@ -1098,6 +1105,8 @@ class ToolEstimate:
     """mean similarity of the inliers, 0..1; 0 without inliers"""
     contourSupport: float
     """METHOD_FULL: share of the visible outline, in both eyes, whose strongest edge within 6 px is at most 1.5 px off (pixels at 720 px width), 0..1; else 0. Of the last pose that was looked at, also if it was not believed"""
+    confidence: float
+    """METHOD_FULL: probability that the pose is within 5 mm and 10 px of the truth, from this frame's evidence and from how sure the pose was that it follows from (src/track/evidence.hpp); else, and where nothing was measured, 0"""
     nis: float
     """of the inliers, normalised innovation squared per degree of freedom; about 1 if image points are as bad as the filter takes them for, less if they are better; 0 with METHOD_EPNP and without inliers"""
     matches: Tuple[PartMatch, ...]
@@ -1130,20 +1139,24 @@ class ToolTracker:
     METHOD_FULL, per frame:
     - Parts are drawn, found and verified as above, in each eye. Samples of the geometric context that scale or turn too much are
       skipped and the best one is taken, not the first: fewer wrong inliers.
-    - ArticulatedPoseEKF takes them in. It has the offset of each wrist and jaw reading in its state, beside the correction: cables
-      stretch, and no rigid correction repairs a reading.
+    - ArticulatedPoseEKF takes them in. It has what is wrong with each wrist and jaw reading in its state (offset, gain, play, coupling),
+      beside the correction: cables stretch, and no rigid correction repairs a reading.
     - The outline is placed where this pose has it (ToolContour), edges are sought on its normals (matchContour()), within 8, 5 and
       3 pixels in turn (at 720 px width), and taken in together with the parts. Parts tell from far off where the tool is, to some
       pixels; edges are many and exact to a fraction of a pixel, but need a pose within some pixels to begin with.
-    - Evidence is `similarity + contourSupport`. Tissue may look like parts, or like an outline, but not like both at once. A tool that is
-      followed needs least of it, one that is not needs more, and one that is to count as tracking without a second frame needs most. The
-      outline alone does where fewer than four parts are seen, if it is well supported. (Thresholds: src/track/evidence.hpp.)
+    - Evidence is the log odds of the pose being right: how many parts were found and how alike, how much of the outline is where the pose
+      has it, and how badly the points fit (a logistic model, fitted to poses that are known to be right or wrong). Tissue may look like parts,
+      or like an outline, but not like both at once. One that follows from the frame before has that one's log odds besides, up to a limit,
+      so an outline alone does for a while. A first pose needs more of its own, and one that is to count as tracking without a second frame
+      most. ToolEstimate.confidence is the probability. (Coefficients and thresholds: src/track/evidence.hpp.)
     - A push of the camera: where points or edges fit badly to a correction that changes slowly, the frame is measured once more with
       P grown by what a push does; if that has more evidence it is kept, and the process noise stays raised for some frames. If it has
-      not and the points fit badly, they are the wrong ones: the outline alone is taken.
+      not and the points fit badly, they are the wrong ones: the outline alone is taken. During a push, and where there is much less evidence
+      than in the frames before, nearer edges and other depths are tried as well.
     - First pose: nine drawings (paper, Sec. 2.1: scales 0.8, 1, 1.2, rotations 0, +-15 degrees); the three with the largest summed
       similarity are fitted, parts and outline, in four rounds each; the one with the most evidence is taken, as the summed similarity
-      alone does not tell good from bad. The process noise is raised for the frames after it: two poses may look alike in one frame.
+      alone does not tell good from bad. If none is good enough, the next frames do the same about the calibration turned out of the image
+      by 10 degrees, to one side after the other. The process noise is raised for the frames after a first pose: two may look alike in one frame.
     - A tool that is not seen is sought in every frame with one of the nine drawings, in turn about its last pose and about the
       hand-eye calibration itself, since either may be the better guess. What is found there must be confirmed by the next frames;
       else the tool goes back to the last pose that was tracked. Meanwhile P grows.
@@ -1176,6 +1189,8 @@ class ToolTracker:
         """matches needed for a first pose (paper's release: more than 6); METHOD_FULL: to count as tracking at once, else five"""
         minInitialSimilarity: float
         """their least mean similarity; bare tissue gives up to 0.6, a tool 0.75 and more. Not METHOD_FULL, which has the outline too"""
+        minConfidence: float
+        """METHOD_FULL: what ToolEstimate.confidence a first pose must have to be worth another frame, 0..1 (default 0.5). What is asked of tracking moves with it, in odds: more of it starts and goes on less readily, and is wrong less often. 0: no pose is refused, the caller judges"""
         confirmFrames: int
         """frames that must confirm a first pose before it counts as tracking; METHOD_FULL needs none where the evidence is strong"""
         coastingTime: float
