@@ -18,7 +18,7 @@ namespace {
 const double pushRotation = CV_PI / 180, pushTranslation = 0.002;   // [rad], [m]
 const int pushedFrames = 10;           // that the process noise stays raised for
 const double pushedGrowth = 3;         // factor on the deviations of Q then, and after a first pose
-const double pushedSimilarity = 0.55;  // of all points that agree
+const double leastSimilarity = 0.55;   // of a set of points: what tissue gives where all of it agrees
 const double pushedNis = 0.75;         // of points, per degree of freedom; below 0.6 as a rule
 const double pushedLikelihood = 2;     // logarithm of the ratio; 99 of 100 frames without a push have less than 1
 
@@ -28,6 +28,7 @@ const double staleChange = 0.5;        // mean over samples [grey levels]
 const double staleShift = 1;           // of a keypoint [pixel at 720 px image width]
 const double staleMargin = 30;         // about the keypoints [pixel at 720 px image width]
 
+const double remembered = 0.25;        // a tool that moves at 5 cm/s is a centimetre farther by then [s]
 const int unsureFrames = 4;            // that a first pose may stay without being confirmed: others come to their turn
 
 const double unusual = 0.75;           // log odds less than in the frames before: what they change by from frame to frame
@@ -211,10 +212,10 @@ bool FullMethod::correct(Scene& scene)
 {
     const std::vector<PartMatch>& matches = sights_[0].found.inliers;
     const int passed = correctPoints(scene, eyes(scene));
-    const bool pushed = int(matches.size()) > thresholds_.minParts && meanSimilarity(matches) > pushedSimilarity
+    const bool pushed = int(matches.size()) > thresholds_.minParts && meanSimilarity(matches) > leastSimilarity
                         && (2 * passed < int(matches.size()) || evidence_.nis > pushedNis);
-    if (passed < thresholds_.minParts) dropPoints(scene);   // the outline alone may do
-    evidence_.points = passed >= thresholds_.minParts;
+    evidence_.points = passed >= thresholds_.minParts && meanSimilarity(inliers_) >= leastSimilarity;
+    if (!evidence_.points) dropPoints(scene);   // the outline alone may do
     for (size_t e = 0; e < eyes(scene); e++) sampleOutline(scene, e, *sights_[e].drawn);
     const ViewChange moved = viewChange(scene.camera(), *model_, filter_->view(), sights_[0].drawn->views[index_]);
     if (!(moved.shift <= maxContourShift * pixelScale_ && moved.turn <= maxContourTurn))
@@ -275,20 +276,21 @@ bool FullMethod::isBetter(const Pose& other) const
     return evidence_.logOdds() > other.evidence.logOdds() + thresholds_.pushedGain;
 }
 
-/* What the tool's own past tells of a pose that follows from it: as sure as a pose was, and the less the longer it has not been seen. */
+// What the tool's own past tells of a pose that follows from it: as sure as a pose was, but not for long where it is not seen.
 double FullMethod::prior(double time) const
 {
     if (searched_ || (state_ != STATE_TRACKING && state_ != STATE_COASTING)) return 0;
-    const double unseen = state_ == STATE_TRACKING ? 0 : (time - lastSeen_) / std::max(params_.coastingTime, DBL_EPSILON);
-    return std::max(0., std::min(logOdds_, thresholds_.prior)) * std::max(0., 1 - unseen);
+    const double unseen = state_ == STATE_TRACKING ? 0 : (time - lastSeen_) / remembered;
+    return std::max(0., std::min(logOdds_, evidence_.points ? thresholds_.prior : thresholds_.outlinePrior)) * std::max(0., 1 - unseen);
 }
 
 bool FullMethod::continues(const Scene& scene) const
 {
     if (!evidence_.plausible) return false;
     const double past = prior(scene.time), all = evidence_.logOdds() + past;
-    // A first pose that is neither confirmed nor refuted makes room for others.
-    return past > 0 ? all >= thresholds_.followed : evidence_.points && all >= thresholds_.first && confirmed_ <= params_.confirmFrames + unsureFrames;
+    if (past > 0 && all >= thresholds_.followed) return true;
+    // A pose that is neither confirmed nor refuted makes room for others.
+    return state_ != STATE_TRACKING && evidence_.points && all >= thresholds_.first && confirmed_ <= params_.confirmFrames + unsureFrames;
 }
 
 // The state after a frame.
@@ -302,8 +304,9 @@ void FullMethod::conclude(const Scene& scene, bool seen)
         const bool sure = state_ == STATE_INITIALIZING && evidence_.isSure(thresholds_, params_.minInitialInliers);
         const bool confirmed = confirmed_ > params_.confirmFrames && own >= thresholds_.confirmed;
         if (searched_ && state_ == STATE_TRACKING) state_ = STATE_COASTING;   // found elsewhere: to be confirmed
+        const bool followed = past > 0 && (state_ == STATE_TRACKING || own + past >= thresholds_.sure);
         logOdds_ = own + past;
-        if (past > 0 || sure || confirmed)
+        if (followed || sure || confirmed)
         {
             state_ = STATE_TRACKING;
             searches_ = 0;
