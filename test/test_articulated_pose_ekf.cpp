@@ -79,7 +79,7 @@ TEST(SurgTrack_ArticulatedEKF, startsFromTheCalibrationAndTheReadings)
         ASSERT_EQ(CV_64FC1, P.type());
         EXPECT_EQ(10, countNonZero(P));      // diagonal
         for (int i = 0; i < 10; i++)
-            EXPECT_NEAR(i < 3 ? params.initialRotation : i < 6 ? params.initialTranslation : 0.06, deviation(P, i), 1e-15);   // rounding
+            EXPECT_NEAR(i < 3 ? params.initialRotation : i < 6 ? params.initialTranslation : 0.03, deviation(P, i), 1e-15);   // rounding
         filter->predict(bench.readings());
         EXPECT_LT(cv::norm(filter->view().camera_T_base - bench.nominal_T_base, NORM_INF), 1e-15);   // rounding
         ASSERT_TRUE(correct(*filter, endoscope(), bench.parts, bench.seen(endoscope())));
@@ -406,7 +406,7 @@ TEST(SurgTrack_ArticulatedEKF, anotherCalibrationMovesNothing)
     filter->setHandEye(bench.tool.view.camera_T_base);   // the true one
     EXPECT_LT(cv::norm(bench.toolPose(filter->view()) - pose, NORM_INF), 1e-12);   // rounding
     EXPECT_EQ(0, cv::norm(filter->poseCovariance() - P, NORM_INF) > 1e-15);
-    EXPECT_LT(rotationAngle(filter->correction(), Matx44d::eye()), 0.012);   // of 0.024; offsets of 0.06 rad may explain half of a turn in one frame
+    EXPECT_LT(rotationAngle(filter->correction(), Matx44d::eye()), 0.012);   // of 0.024; offsets of 0.03 rad may explain half of a turn in one frame
     EXPECT_ERROR(filter->setHandEye(Matx44d::zeros()), "nominal_T_base");
     EXPECT_ERROR(filter->moveCamera(Matx44d::zeros()), "now_T_before");
 }
@@ -529,7 +529,7 @@ TEST(SurgTrack_ArticulatedEKF, aFrameAddsTheProcessNoiseTimesItsGrowth)
     {
         Mat expected = filter->covariance();
         for (int i = 0; i < 6; i++) expected.at<double>(i, i) += std::pow(growth * (i < 3 ? params.processRotation : params.processTranslation), 2);
-        for (int i = 6; i < 10; i++) expected.at<double>(i, i) += std::pow(growth * params.processJoint * 0.06, 2);   // no travel yet: of the offsets alone
+        for (int i = 6; i < 10; i++) expected.at<double>(i, i) += std::pow(growth * params.processJoint * 0.03, 2);   // no travel yet: of the offsets alone
         filter->predict(bench.readings(), growth);
         EXPECT_LT(cvtest::norm(expected, filter->covariance(), NORM_INF), 1e-16);   // rounding of 1e-2 [rad^2]
     }

@@ -269,8 +269,8 @@ TEST(SurgTrack_Fields, eachIsTrackedAtItsTimeAndHeight)
     error /= count;
     if (std::getenv("SURGTRACK_TEST_PRINT"))
         std::cout << "fields: " << offset[0] * 2 / count << ", " << offset[1] * 2 / count << " px, " << error * 1e3 << " mm, at most " << most * 1e3 << std::endl;
-    // A field taken for a row higher or lower than it is would be half a pixel off the other: ten times this.
-    EXPECT_NEAR(offset[0] * 2 / count, offset[1] * 2 / count, 0.05);
+    // A field taken for a row higher or lower than it is would be half a pixel off the other: five times this.
+    EXPECT_NEAR(offset[0] * 2 / count, offset[1] * 2 / count, 0.1);
     EXPECT_LT(error, 0.0004);   // at most twice what is measured
     EXPECT_LT(most, 0.002);
 }

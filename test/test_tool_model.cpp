@@ -160,7 +160,7 @@ TEST(SurgTrack_ToolModel, theWristsOffsetsAreUnknownUnlessTheFileSaysOtherwise)
 {
     const TempFolder folder;
     // What turns beyond the joint that slides: q4, q5, q6 and the jaw.
-    EXPECT_EQ((std::vector<double>{ 0, 0, 0, 0.06, 0.06, 0.06, 0.06 }), ToolModel::needleDriver()->offsetDeviations());
+    EXPECT_EQ((std::vector<double>{ 0, 0, 0, 0.03, 0.03, 0.03, 0.03 }), ToolModel::needleDriver()->offsetDeviations());
     EXPECT_EQ((std::vector<double>{ 0, 0 }), ToolModel::load(writeTool(folder, TOOL))->offsetDeviations());
 
     const std::string stated = replaced(replaced(TOOL, "scale: 2", "scale: 2, offset_deviation: 0.002"), "scale: 1 ", "scale: 1, offset_deviation: 0.01 ");
@@ -185,7 +185,7 @@ TEST(SurgTrack_ToolModel, theWristsOffsetsAreUnknownUnlessTheFileSaysOtherwise)
             d.links[i].offsetDeviation = 0;
     }
     ASSERT_EQ(2, jaws);
-    const std::vector<double> expected = { 0, 0, 0, 0, 0.06, 0.06, 0.05 };
+    const std::vector<double> expected = { 0, 0, 0, 0, 0.03, 0.03, 0.05 };
     const Ptr<ToolModel> tool = ToolModel::create(d);
     EXPECT_EQ(expected, tool->offsetDeviations());
     const char* const names[] = { "a.yaml", "b.xml", "c.json" };

@@ -203,7 +203,7 @@ TEST(SurgTrack_TrackerParams, minWindowIsWhereAToolIsLookedForLater)
         if (printing()) std::cout << few << " within " << near << ", " << all << " within " << far << " pixel" << std::endl;
         EXPECT_LE(near, 6 * scale + 1);     // windows are of whole pixels
         EXPECT_LE(far, 30 * scale + 1);
-        EXPECT_GT(far, 13 * scale);         // the jump
+        EXPECT_GT(far, 10 * scale);         // the jump, less what the filter foresees of it: farther than the narrow windows reach
         EXPECT_GE(all, 6);
     }
 }

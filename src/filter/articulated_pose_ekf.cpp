@@ -131,6 +131,7 @@ void ArticulatedPoseEKFImpl::reset(const Matx44d& correction)
     state_.nis = 0;
     state_.placed = false;
     reference_.clear();   // nothing is known of travel
+    history_.clear();
     std::fill(directions_.begin(), directions_.end(), 0.);
     setReadings(joints_);
     predictedNow();

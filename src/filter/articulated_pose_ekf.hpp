@@ -47,6 +47,7 @@ public:
                    double tolerance) CV_OVERRIDE;
     double surprise(double rotation, double translation) const CV_OVERRIDE;
     bool solve() CV_OVERRIDE;
+    void dropReadings() CV_OVERRIDE { history_.takeBack(); }
     State state() const CV_OVERRIDE;
     void setState(const State& state) CV_OVERRIDE;
     void setHandEye(const Matx44d& nominal_T_base) CV_OVERRIDE;

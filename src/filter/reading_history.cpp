@@ -19,6 +19,12 @@ void ReadingHistory::add(const double* readings, double seconds)
     std::copy(readings, readings + n_, &values_[last_ * n_]);
 }
 
+void ReadingHistory::takeBack()
+{
+    if (count_ > 0) count_--;
+    last_ = (last_ + frames - 1) % frames;
+}
+
 void ReadingHistory::at(double seconds, double* difference, double* rate) const
 {
     std::fill(difference, difference + n_, 0.);

@@ -18,6 +18,9 @@ public:
 
     //! @param seconds since the last; 0: instead of it
     void add(const double* readings, double seconds);
+    void clear() { count_ = 0; }
+    //! As if the last add() of a new frame had not been; the oldest frame may be lost.
+    void takeBack();
     //! Readings at a time from the newest on, less the newest, and their rates. @param seconds negative: earlier
     void at(double seconds, double* difference, double* rate) const;
 

@@ -42,7 +42,8 @@ template <class V> void visit(V& v, ToolPoseEKF::Params& p)
 
 template <class V> void visit(V& v, ArticulatedPoseEKF::Params& p)
 {
-    FIELD(initialRotation); FIELD(initialTranslation); FIELD(processRotation); FIELD(processTranslation); FIELD(processJoint); FIELD(pointNoise);
+    FIELD(initialRotation); FIELD(initialTranslation); FIELD(processRotation); FIELD(processTranslation); FIELD(processJoint); FIELD(gain); FIELD(play);
+    FIELD(coupling); FIELD(delay); FIELD(pointNoise);
     FIELD(gate); FIELD(contourNoise); FIELD(jointOffsets); FIELD(contourCorrelation);
 }
 
@@ -56,7 +57,7 @@ template <class V> void visit(V& v, ContourSearch& p)
 template <class V> void visit(V& v, ToolTracker::Params& p)
 {
     FIELD(method); FIELD(jointOffsets); FIELD(contours); FIELD(adaptation); FIELD(initialWindow); FIELD(minWindow); FIELD(minInitialInliers);
-    FIELD(minInitialSimilarity); FIELD(confirmFrames); FIELD(coastingTime); FIELD(seed);
+    FIELD(minInitialSimilarity); FIELD(minConfidence); FIELD(confirmFrames); FIELD(coastingTime); FIELD(seed);
 }
 
 #undef FIELD

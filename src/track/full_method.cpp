@@ -82,6 +82,12 @@ const ToolView& FullMethod::predict(const std::vector<double>& joints, double se
     return filter_->view();
 }
 
+void FullMethod::takeBack()
+{
+    filter_->dropReadings();
+    filter_->setState(placed_);
+}
+
 FullMethod::Pose FullMethod::pose() const
 {
     Pose pose;
@@ -304,7 +310,7 @@ void FullMethod::conclude(const Scene& scene, bool seen)
         const bool sure = state_ == STATE_INITIALIZING && evidence_.isSure(thresholds_, params_.minInitialInliers);
         const bool confirmed = confirmed_ > params_.confirmFrames && own >= thresholds_.confirmed;
         if (searched_ && state_ == STATE_TRACKING) state_ = STATE_COASTING;   // found elsewhere: to be confirmed
-        const bool followed = past > 0 && (state_ == STATE_TRACKING || own + past >= thresholds_.sure);
+        const bool followed = !searched_ && (state_ == STATE_TRACKING || (state_ == STATE_COASTING && own + past >= thresholds_.sure));
         logOdds_ = own + past;
         if (followed || sure || confirmed)
         {
@@ -383,8 +389,8 @@ void FullMethod::report(ToolEstimate& e) const
 {
     ToolMethod::report(e);
     e.covariance = filter_->poseCovariance();
-    std::copy(filter_->offsets().begin(), filter_->offsets().end(), e.jointOffsets.begin());
     e.joints = filter_->joints();
+    for (size_t i = 0; i < coordinates_; i++) e.jointOffsets[i] = e.joints[i] - joints_[i];
     e.delay = filter_->delay();
     e.confidence = isSeen_ ? probability(logOdds_) : 0;
 }

@@ -14,9 +14,6 @@ namespace cv { namespace surgtrack {
 
 namespace {
 
-/* Without outlines as evidence more orientations end in more false poses: of 1, 1.5, 2, 2.5, 3 and 4 the least that has none on exvivo_single,
-   where the published threshold of grey levels has none either, and sees nothing of a dim picture. */
-const double paperContrast = 2.5;
 const int minFullInliers = 4;   // of a first pose of METHOD_FULL; the outline tells the rest
 
 void checkParams(const ToolTracker::Params& p)
@@ -40,7 +37,7 @@ ToolTrackerImpl::ToolTrackerImpl(const CameraModel& camera, const Params& params
     checkParams(params);
     const bool full = params.method == METHOD_FULL;
     if (full) stages_.templates.wholeTool = true;
-    else stages_.matcher.contrast = paperContrast;
+    else stages_.matcher.contrast = 0;   // as published: without outlines as evidence, more orientations end in more false poses
     const Camera left = {camera, Matx44d::eye(), Mat()};
     cameras_.push_back(left);
     toolsChanged();

@@ -134,7 +134,9 @@ public:
     CV_WRAP virtual bool solve() = 0;
     //! @}
 
-    //! All that is known.
+    //! The readings of the last predict() have not been: for setState() to what was before it.
+    virtual void dropReadings() = 0;
+    //! All that is known, but for the readings of frames before, which the delay is learnt from.
     virtual State state() const = 0;
     //! Makes this filter what it, or another of the same tool, was. @param state what state() gave
     virtual void setState(const State& state) = 0;

@@ -382,7 +382,7 @@ class surgtrack_test(NewOpenCVTests):
             st.placeContour(self.camera, st.ToolView(), points)
 
     def test_offset_deviations(self):
-        np.testing.assert_array_equal(np.ravel(self.model.offsetDeviations()), [0, 0, 0, 0.06, 0.06, 0.06, 0.06])   # the wrist and the jaw
+        np.testing.assert_array_equal(np.ravel(self.model.offsetDeviations()), [0, 0, 0, 0.03, 0.03, 0.03, 0.03])   # the wrist and the jaw
 
     def test_gradient_orientations(self):
         image = np.zeros((40, 60), np.uint8)
@@ -898,7 +898,8 @@ class surgtrack_test(NewOpenCVTests):
             self.assertEqual(estimate.state, st.STATE_TRACKING)
             offsets = np.ravel(estimate.jointOffsets)
             self.assertEqual(offsets.shape, (7,))
-            np.testing.assert_array_equal(offsets[:3], 0)   # the arm's readings have none
+            np.testing.assert_allclose(offsets, np.ravel(estimate.joints) - joints, atol=1e-15)   # rounding
+            self.assertLess(np.abs(offsets[:3]).max(), 0.03)   # the arm's readings have but their change over the delay, here at less than 1 rad/s
             self.assertTrue((offsets[3:] != 0).all())
             self.assertTrue(0 < estimate.contourSupport <= 1)
             self.assertEqual(estimate.covariance.shape, (6, 6))

@@ -279,7 +279,7 @@ class ToolModel:
     def offsetDeviations(self) -> NDArray[np.float64]:
         """How wrong joint readings may be: prior standard deviation of a constant offset, one per coordinate [rad or m]; 0 = exact,
         or not to be told from an error of the hand-eye calibration. What the links of a coordinate state (Link.offsetDeviation);
-        by default 0.06 rad for revolute joints beyond one that slides, and 0 for all others.
+        by default 0.03 rad for revolute joints beyond one that slides, and 0 for all others.
         """
         ...
     def getMesh(self, index: int, vertices: Optional[NDArray[Any]] = ..., triangles: Optional[NDArray[Any]] = ...) -> Tuple[NDArray[Any], NDArray[Any]]:
@@ -916,7 +916,8 @@ class ArticulatedPoseEKF:
     """The filter of METHOD_FULL: the error of the hand-eye calibration and those of the joint readings.
 
     State: the correction camera_T_nominal and, of each coordinate with ToolModel.offsetDeviations() > 0 (the first ten), constants of what
-    is wrong with its readings: an offset, a gain, play, and the coupling to the coordinate before it. The sum of them at this frame's
+    is wrong with its readings: an offset, a gain, play, and the coupling to the coordinate before it; and one time by which all readings are
+    late. The sum of them at this frame's
     readings, d, is added to these. The state's error is (omega, v, theta), omega and v a small motion of the tool about its own centre c in
     the camera frame, `camera_T_nominal <- Trans(c + v) Exp(omega) Trans(-c) camera_T_nominal`, theta that of the constants; so rotation and
     translation are nearly independent, and P is moved to the new centre as the tool moves. Process: constant, with noise Q. Measurements: points of
@@ -940,6 +941,8 @@ class ArticulatedPoseEKF:
         """the same, of half its play [rad]"""
         coupling: float
         """the same, of a share of the travel of the coordinate before it"""
+        delay: float
+        """the same, of the time between image and readings [s]; what is known of it is taken off before"""
         pointNoise: float
         """standard deviation of a part's image point [pixel]"""
         gate: float
@@ -969,11 +972,12 @@ class ArticulatedPoseEKF:
     def reset(self) -> None:
         """Back to the readings and the hand-eye calibration themselves, with the initial covariance."""
         ...
-    def predict(self, joints: Union[_Sequence[float], NDArray[np.float64]], growth: float = ...) -> None:
+    def predict(self, joints: Union[_Sequence[float], NDArray[np.float64]], growth: float = ..., seconds: float = ...) -> None:
         """One frame passes.
 
         joints: readings, one per coordinate [rad or m]
         growth: factor on the deviations of Q
+        seconds: since the last frame; 0 = it is the same one once more, or not known: then nothing is learnt of the delay
         """
         ...
     def inflate(self, rotation: float, translation: float) -> None:
@@ -1051,6 +1055,9 @@ class ArticulatedPoseEKF:
     def correction(self) -> NDArray[np.float64]:
         """camera_T_nominal."""
         ...
+    def delay(self) -> float:
+        """The image shows the joints as they are read so much later; negative: earlier [s]."""
+        ...
     def offsets(self) -> NDArray[np.float64]:
         """One per coordinate, to be added to the reading [rad or m]."""
         ...
@@ -1094,9 +1101,9 @@ class ToolEstimate:
     covariance: NDArray[np.float64]
     """of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame; zero with METHOD_EPNP"""
     jointOffsets: NDArray[np.float64]
-    """METHOD_FULL: one per coordinate, what is added to the reading [rad or m], and 0 where ToolModel.offsetDeviations() is; else zeros"""
+    """METHOD_FULL: one per coordinate, what is added to the reading [rad or m]: what is wrong with it, where ToolModel.offsetDeviations() is not 0, and what it changes by within `delay`; else zeros"""
     joints: NDArray[np.float64]
-    """one per coordinate, those the pose is of: the readings with jointOffsets, and no jaw beyond its stop [rad or m]"""
+    """one per coordinate, those the pose is of: the readings with jointOffsets, no jaw beyond its stop [rad or m]"""
     visibleParts: int
     """parts that had a template, in the left image"""
     inliers: int
@@ -1109,6 +1116,8 @@ class ToolEstimate:
     """METHOD_FULL: probability that the pose is within 5 mm and 10 px of the truth, from this frame's evidence and from how sure the pose was that it follows from (src/track/evidence.hpp); else, and where nothing was measured, 0"""
     nis: float
     """of the inliers, normalised innovation squared per degree of freedom; about 1 if image points are as bad as the filter takes them for, less if they are better; 0 with METHOD_EPNP and without inliers"""
+    delay: float
+    """METHOD_FULL: the image shows the joints as they are read so much later, negative: earlier [s]; else 0"""
     matches: Tuple[PartMatch, ...]
     """the inliers"""
 
