@@ -115,6 +115,13 @@ struct Run
     std::vector<double> waits, updates, latencies;   // an image that was tracked [s]
 };
 
+String joined(const std::vector<std::string>& words)
+{
+    String result;
+    for (size_t i = 0; i < words.size(); i++) result += (i ? "," : "") + words[i];
+    return result;
+}
+
 //! Time of an image for the tracker [s].
 double imageTime(const Run& run, int number, double arrival) { return run.live ? arrival : number / run.setup->fps(); }
 
@@ -150,7 +157,7 @@ void prepare(const Options& options, Run& run)
         if (!run.live && run.setup->layout() == LAYOUT_SEPARATE) sources.push_back(run.setup->rightVideo());
     }
     if (sources.size() != (options.stereo && run.setup->layout() == LAYOUT_SEPARATE ? 2u : 1u))
-        fail(String("argument '--camera': expected ") + (!options.stereo ? "one camera" : run.setup->layout() == LAYOUT_SEPARATE ?
+        fail("argument '--camera=" + joined(sources) + "': expected " + (!options.stereo ? "one camera" : run.setup->layout() == LAYOUT_SEPARATE ?
              "two cameras, separated by a comma" : "one camera: by layout in sequence.yaml both eyes are in one image"));
     common::setMasks(*run.setup, *run.tracker, options.stereo);
     for (size_t i = 0; i < sources.size(); i++)

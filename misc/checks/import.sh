@@ -74,7 +74,7 @@ run_import() {
   mkdir -p "$out/alone"
   cp "$lab/crane.urdf" "$out/alone/"
   sample "refused: a package that is not there" refuses "package://crane/peak.obj" "$import" --from=urdf --in="$out/alone/crane.urdf" --out="$out/never.yaml"
-  sample "import: URDF, nothing picked" limited "$import" --from=urdf --in="$lab/driver.urdf" --end-effector=tool --out="$out/picked.yaml"
+  sample "import: URDF, nothing picked" limited "$import" --from=urdf --in="$lab/driver.urdf" --out="$out/picked.yaml"
   sample "tool: its sheet" limited "$BUILD_DIR/bin/example_surgtrack_tool" "$out/picked.yaml" --out="$out/sheet.png"
   sample "make_sequence of it" limited "$BUILD_DIR/bin/example_surgtrack_make_sequence" --tool="$out/picked.yaml" --out="$out/picked" --frames=20
   sample "tracking it" limited "$track" --sequence="$out/picked" --poses="$out/picked.csv" --quiet

@@ -88,8 +88,8 @@ run_rig() {
   cp -r "$work/stereo" "$work/masked"
   python_cv2 -c 'import sys, cv2, numpy as np; cv2.imwrite(sys.argv[1], np.zeros((576, 720), np.uint8))' "$work/masked/mask.png"
   echo 'mask: mask.png' >>"$work/masked/sequence.yaml"
-  sample "a mask that hides all" nothing_tracked "$work/masked" "$track"
-  sample "the same in Python" limited "${python[@]}" --sequence="$work/masked" --poses="$work/masked-python.csv" --quiet
+  sample "a mask that hides all" nothing_tracked "$work/masked" "$work/masked.csv" "$track"
+  sample "the same in Python" nothing_tracked "$work/masked" "$work/masked-python.csv" "${python[@]}"
   sample "the same poses" cmp "$work/masked.csv" "$work/masked-python.csv"
   rm "$work/masked/mask.png"
   sample "refused: no mask there" refuses "key mask" "$track" --sequence="$work/masked" --quiet
@@ -99,9 +99,9 @@ run_rig() {
   cat "$LOGS/sample.log"
 }
 
-# nothing_tracked SEQUENCE PROGRAM: exit code 2, a row a frame all the same.
+# nothing_tracked SEQUENCE POSES PROGRAM...: exit code 2, a row a frame all the same.
 nothing_tracked() {
   local code=0
-  limited "$2" --sequence="$1" --poses="$1.csv" --quiet || code=$?
-  [[ $code -eq 2 ]] && ! grep -q tracking "$1.csv" && poses_complete "$1.csv" 12
+  limited "${@:3}" --sequence="$1" --poses="$2" --quiet || code=$?
+  [[ $code -eq 2 ]] && ! grep -q tracking "$2" && poses_complete "$2" 12
 }
