@@ -127,10 +127,13 @@ TEST_P(SurgTrack_TrackerFollows, theEstimateIsTheCorrectedKinematics)
     {
         const ToolEstimate e = r.update(*tracker, frame)[0];
         const std::vector<double> read = r.joints(frame)[0];
+        const std::vector<double> before = r.joints(std::max(frame - 1, 0))[0];
         std::vector<double> joints = read;
         ASSERT_EQ(joints.size(), e.jointOffsets.size());
-        for (size_t i = 0; i < joints.size(); i++) joints[i] += e.jointOffsets[i];
+        ASSERT_GT(e.delay, -r.time(1));   // between the last two frames
+        for (size_t i = 0; i < joints.size(); i++) joints[i] += (read[i] - before[i]) * e.delay / r.time(1) + e.jointOffsets[i];
         joints[jaw] = std::max(joints[jaw], std::min(read[jaw], 0.));   // its stop
+        EXPECT_LT(cv::norm(joints, e.joints, NORM_INF), 1e-12);   // rounding
         const Matx44d expected = e.camera_T_nominal * r.scene->nominal_T_base(0) * r.scene->model()->endEffectorPose(joints);
         EXPECT_LT(cv::norm(expected - e.camera_T_tool, NORM_INF), 1e-12);   // rounding
         Mat eigenvalues;

@@ -295,8 +295,9 @@ bool FullMethod::continues(const Scene& scene) const
     if (!evidence_.plausible) return false;
     const double past = prior(scene.time), all = evidence_.logOdds() + past;
     if (past > 0 && all >= thresholds_.followed) return true;
-    // A pose that is neither confirmed nor refuted makes room for others.
-    return state_ != STATE_TRACKING && evidence_.points && all >= thresholds_.first && confirmed_ <= params_.confirmFrames + unsureFrames;
+    if (state_ == STATE_TRACKING || !evidence_.points) return false;
+    // A tool that is not seen where it was may be elsewhere; a first pose that is neither confirmed nor refuted makes room for others.
+    return state_ != STATE_INITIALIZING ? all >= thresholds_.confirmed : all >= thresholds_.first && confirmed_ <= params_.confirmFrames + unsureFrames;
 }
 
 // The state after a frame.
@@ -389,8 +390,8 @@ void FullMethod::report(ToolEstimate& e) const
 {
     ToolMethod::report(e);
     e.covariance = filter_->poseCovariance();
+    std::copy(filter_->offsets().begin(), filter_->offsets().end(), e.jointOffsets.begin());
     e.joints = filter_->joints();
-    for (size_t i = 0; i < coordinates_; i++) e.jointOffsets[i] = e.joints[i] - joints_[i];
     e.delay = filter_->delay();
     e.confidence = isSeen_ ? probability(logOdds_) : 0;
 }

@@ -22,8 +22,8 @@ struct CV_EXPORTS_W_SIMPLE ToolEstimate
     CV_PROP_RW Matx44d camera_T_tool;       //!< pose of the end effector in the camera frame [m]
     CV_PROP_RW Matx44d camera_T_nominal;    //!< the correction of the hand-eye calibration
     CV_PROP_RW Matx66d covariance;          //!< of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame; zero with METHOD_EPNP
-    CV_PROP_RW std::vector<double> jointOffsets;   //!< METHOD_FULL: one per coordinate, what is added to the reading [rad or m]: what is wrong with it, where ToolModel::offsetDeviations() is not 0, and what it changes by within `delay`; else zeros
-    CV_PROP_RW std::vector<double> joints;  //!< one per coordinate, those the pose is of: the readings with jointOffsets, no jaw beyond its stop [rad or m]
+    CV_PROP_RW std::vector<double> jointOffsets;   //!< METHOD_FULL: one per coordinate, what is wrong with the reading and is added to it [rad or m], and 0 where ToolModel::offsetDeviations() is; else zeros
+    CV_PROP_RW std::vector<double> joints;  //!< one per coordinate, those the pose is of: the readings, as they are `delay` later, with jointOffsets, and no jaw beyond its stop [rad or m]
     CV_PROP_RW int visibleParts;            //!< parts that had a template, in the left image
     CV_PROP_RW int inliers;                 //!< matches in the left image that agreed on the geometric context and went into the pose; 0 if nothing was measured, or METHOD_FULL followed the outline alone
     CV_PROP_RW double similarity;           //!< mean similarity of the inliers, 0..1; 0 without inliers

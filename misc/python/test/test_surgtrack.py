@@ -898,15 +898,13 @@ class surgtrack_test(NewOpenCVTests):
             self.assertEqual(estimate.state, st.STATE_TRACKING)
             offsets = np.ravel(estimate.jointOffsets)
             self.assertEqual(offsets.shape, (7,))
-            np.testing.assert_allclose(offsets, np.ravel(estimate.joints) - joints, atol=1e-15)   # rounding
-            self.assertLess(np.abs(offsets[:3]).max(), 0.03)   # the arm's readings have but their change over the delay, here at less than 1 rad/s
+            np.testing.assert_array_equal(offsets[:3], 0)   # the arm's readings have none
             self.assertTrue((offsets[3:] != 0).all())
             self.assertTrue(0 < estimate.contourSupport <= 1)
             self.assertEqual(estimate.covariance.shape, (6, 6))
             self.assertGreater(np.linalg.eigvalsh(estimate.covariance).min(), 0)
-            corrected = np.ravel(joints) + offsets
-            corrected[6] = max(corrected[6], min(np.ravel(joints)[6], 0))   # the jaw's stop
-            tool = estimate.camera_T_nominal.dot(scene.nominal_T_base(0)).dot(scene.model().endEffectorPose(corrected))
+            self.assertLess(np.abs(estimate.joints - (np.ravel(joints) + offsets)).max(), abs(estimate.delay) * 1.5 + 1e-9)   # no joint is faster [rad/s]
+            tool = estimate.camera_T_nominal.dot(scene.nominal_T_base(0)).dot(scene.model().endEffectorPose(estimate.joints))
             np.testing.assert_allclose(estimate.camera_T_tool, tool, atol=1e-9)   # the chain of transforms
             self.assertLess(scorer.score().translationMean, 0.0004 if eyes == 1 else 0.0003)   # measured: 0.21 and 0.15 mm; the calibration is 6 mm off
         with self.assertRaises(cv.error):   # no right camera is known

@@ -1101,9 +1101,9 @@ class ToolEstimate:
     covariance: NDArray[np.float64]
     """of camera_T_tool: (rotation vector [rad], translation [m]), both in the camera frame; zero with METHOD_EPNP"""
     jointOffsets: NDArray[np.float64]
-    """METHOD_FULL: one per coordinate, what is added to the reading [rad or m]: what is wrong with it, where ToolModel.offsetDeviations() is not 0, and what it changes by within `delay`; else zeros"""
+    """METHOD_FULL: one per coordinate, what is wrong with the reading and is added to it [rad or m], and 0 where ToolModel.offsetDeviations() is; else zeros"""
     joints: NDArray[np.float64]
-    """one per coordinate, those the pose is of: the readings with jointOffsets, no jaw beyond its stop [rad or m]"""
+    """one per coordinate, those the pose is of: the readings, as they are `delay` later, with jointOffsets, and no jaw beyond its stop [rad or m]"""
     visibleParts: int
     """parts that had a template, in the left image"""
     inliers: int
