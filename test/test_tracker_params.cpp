@@ -331,8 +331,8 @@ TEST(SurgTrack_TrackerParams, theSeedIsThatOfTheSamples)
         Params p = paramsOf(method);
         const std::vector<ToolEstimate> one = trackAll(r, p, 10);
         EXPECT_TRUE(same(one, trackAll(r, p, 10))) << methodName(method);
-        p.seed = 2;
-        const std::vector<ToolEstimate> two = trackAll(r, p, 10);
+        std::vector<ToolEstimate> two = one;
+        for (p.seed = 2; p.seed < 8 && same(one, two); p.seed++) two = trackAll(r, p, 10);   // the first samples of some agree, too
         EXPECT_FALSE(same(one, two)) << methodName(method);
         EXPECT_EQ(STATE_TRACKING, two.back().state) << methodName(method);
         if (printing()) std::cout << methodName(method) << " " << errorOf(r, one, 5) * 1e3 << " mm, " << errorOf(r, two, 5) * 1e3 << " mm" << std::endl;
