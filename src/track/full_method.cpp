@@ -292,7 +292,7 @@ double FullMethod::prior(double time) const
 
 bool FullMethod::continues(const Scene& scene) const
 {
-    if (!evidence_.plausible) return false;
+    if (!evidence_.plausible || evidence_.support < thresholds_.leastSupport) return false;
     const double past = prior(scene.time), all = evidence_.logOdds() + past;
     if (past > 0 && all >= thresholds_.followed) return true;
     if (state_ == STATE_TRACKING || !evidence_.points) return false;
