@@ -38,6 +38,7 @@ CPP_ONLY = {
     'ArticulatedPoseEKF.State': 'an image of memory; copyTo() keeps a filter as it is',
     'ArticulatedPoseEKF.state': 'see State',
     'ArticulatedPoseEKF.setState': 'see State',
+    'ArticulatedPoseEKF.dropReadings': 'see State',
     'ArticulatedPoseEKF.correctJoints': 'joints() and offsets() have what Python needs of it',
     'ToolSight': 'for pictures: track_sequence --debug draws them',
     'ToolTracker.sight': 'see ToolSight',
