@@ -219,7 +219,7 @@ Matx22d ArticulatedPoseEKFImpl::imageCovariance(const CameraModel& camera, const
     Point2d h;
     Rows2 H;
     if (!row(camera, eye_T_camera, keypoint.link, keypoint.linkPoint, h, H)) return Matx22d::zeros();
-    const Eigen::Matrix2d C = H * seen(state_.P) * H.transpose();
+    const Eigen::Matrix2d C = H * stateSeen() * H.transpose();
     return Matx22d(C(0, 0), C(0, 1), C(1, 0), C(1, 1));
 }
 
@@ -242,7 +242,7 @@ Matx66d ArticulatedPoseEKFImpl::poseCovariance() const
     motion(link, Point3d(camera_T_tool(0, 3), camera_T_tool(1, 3), camera_T_tool(2, 3)), D);
     J.bottomRows<3>() = D;
     Matx66d result;
-    Eigen::Map<Eigen::Matrix<double, 6, 6> >(result.val) = J * seen(state_.P) * J.transpose();
+    Eigen::Map<Eigen::Matrix<double, 6, 6> >(result.val) = J * stateSeen() * J.transpose();
     return result;
 }
 

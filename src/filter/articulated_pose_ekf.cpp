@@ -157,6 +157,7 @@ void ArticulatedPoseEKFImpl::predictedNow()
 {
     predicted_ = state_;
     predictedSeen_ = seen(predicted_.P);
+    isStateSeen_ = false;
     moved_.setZero(n_);
     seenMoved_.setZero(m_);
     begin();
@@ -172,6 +173,14 @@ SeenMatrix ArticulatedPoseEKFImpl::seen(const Matrix& P) const
     result.topRightCorner(6, k) = result.bottomLeftCorner(k, 6).transpose();
     result.bottomRightCorner(k, k) = phi_ * P.bottomRightCorner(l, l) * phi_.transpose();
     return result;
+}
+
+// Windows of all parts ask for it.
+const SeenMatrix& ArticulatedPoseEKFImpl::stateSeen() const
+{
+    if (!isStateSeen_) stateSeen_ = seen(state_.P);
+    isStateSeen_ = true;
+    return stateSeen_;
 }
 
 // How what is seen has moved.
@@ -202,6 +211,7 @@ void ArticulatedPoseEKFImpl::correctJoints(const std::vector<double>& readings, 
 // Poses of the links and axes of the joints, from readings and state. The centre stays.
 void ArticulatedPoseEKFImpl::place()
 {
+    isStateSeen_ = false;
     sumOffsets();
     history_.at(delay(), late_.data(), rates_.data());
     correctJoints(joints_, corrected_);
@@ -340,7 +350,7 @@ void ArticulatedPoseEKFImpl::moveCamera(const Matx44d& now_T_before)
 
 Mat ArticulatedPoseEKFImpl::covariance() const
 {
-    const SeenMatrix P = seen(state_.P);
+    const SeenMatrix& P = stateSeen();
     const int n = 6 + errors_->offsets();
     Mat_<double> result(n, n);
     for (int r = 0; r < n; r++)

@@ -8,7 +8,7 @@
 #include "filter/joint_errors.hpp"
 #include "filter/reading_history.hpp"
 
-// x      error of the state: (omega [rad], v [m], d [rad or m])
+// x      error of the state: (omega [rad], v [m], theta); of what is seen: (omega, v, d [rad or m], delay [s])
 // P, Q   covariance of the error, of the process noise
 // h, r   a measurement's row dh / dx, and its innovation
 // A, b   information of all measurements: sum of h h^T / sigma^2, sum of h r / sigma^2
@@ -82,6 +82,7 @@ private:
     void sumOffsets();
     void see(const Vector& x);
     SeenMatrix seen(const Matrix& P) const;
+    const SeenMatrix& stateSeen() const;
     bool posterior(const Matrix& P, Vector& x, Matrix& result) const;
     Vector ofState(const SeenVector& b) const;
     void apply(const Vector& x);
@@ -113,6 +114,8 @@ private:
     Vector moved_;                    // x of the state since predict()
     SeenVector seenMoved_;            // of what is seen
     SeenMatrix predictedSeen_;        // covariance
+    mutable SeenMatrix stateSeen_;    // the same of the state, where it was asked for since the last place()
+    mutable bool isStateSeen_ = false;
 };
 
 }} // namespace cv::surgtrack

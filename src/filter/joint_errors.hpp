@@ -32,7 +32,7 @@ public:
 
     //! The direction each coordinate came from, -1..1, after it has moved.
     static void hang(const double* before, const double* now, size_t n, double* directions);
-    //! @param travel of each coordinate since the first reading @param directions see hang()
+    //! d = Phi theta. @param reference first readings, which travel is counted from @param directions see hang()
     void phi(const double* readings, const double* reference, const double* directions, Matrix& result) const;
 
 private:
