@@ -82,19 +82,26 @@ Vector ArticulatedPoseEKFImpl::ofState(const SeenVector& b) const
     return result;
 }
 
-void ArticulatedPoseEKFImpl::apply(const Vector& x)
+Matx44d ArticulatedPoseEKFImpl::moved(const Matx44d& correction, const Vector& x) const
 {
     const Matx33d R = exponential(Vec3d(x[0], x[1], x[2]));
     const Point3d c = state_.centre, t = c + Point3d(x[3], x[4], x[5]) - R * c;
     const Matx44d motion(R(0, 0), R(0, 1), R(0, 2), t.x, R(1, 0), R(1, 1), R(1, 2), t.y, R(2, 0), R(2, 1), R(2, 2), t.z, 0, 0, 0, 1);
-    state_.correction = nearestRigid(motion * state_.correction);
+    return nearestRigid(motion * correction);
+}
+
+void ArticulatedPoseEKFImpl::apply(const Vector& x)
+{
+    state_.correction = moved(state_.correction, x);
     state_.theta += x.tail(n_ - 6);
-    sumOffsets();
+    sumOffsets(state_.theta);
     for (size_t i = 0; i < stateOf_.size(); i++)
         if (stateOf_[i] >= 0 && isJaw_[i])
         {
             const double stop = std::min(0., -joints_[i]);
-            if (offsets_[i] < stop) state_.theta[errors_->stateOf(i) - 6] += stop - offsets_[i];
+            if (!(offsets_[i] < stop)) continue;
+            state_.theta[errors_->stateOf(i) - 6] += stop - offsets_[i];
+            moved_[errors_->stateOf(i)] += stop - offsets_[i];
         }
     place();
 }
@@ -202,12 +209,8 @@ bool ArticulatedPoseEKFImpl::solve()
     state_.nis = (square_ - ofState(b_).dot(x)) / rows_;
     state_.P = P;
     const Vector step = x - moved_;
-    apply(step);
     moved_ = x;
-    // Where the jaw met its stop the state is not at x.
-    for (size_t i = 0; i < stateOf_.size(); i++)
-        if (stateOf_[i] >= 0) moved_[errors_->stateOf(i)] = state_.theta[errors_->stateOf(i) - 6] - predicted_.theta[errors_->stateOf(i) - 6];
-    see(moved_);
+    apply(step);
     return true;
 }
 

@@ -22,7 +22,7 @@ void ArticulatedPoseEKF::copyTo(const Ptr<ArticulatedPoseEKF>& other) const
 
 ArticulatedPoseEKF::Params::Params()
     : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.1 * CV_PI / 180), processTranslation(0.0003),
-      processJoint(0.03), gain(0.02), play(0.02), coupling(0.1), delay(0.03), pointNoise(3), gate(13.8), contourNoise(1), jointOffsets(true), contourCorrelation(18)
+      processJoint(0.03), gain(0.02), play(0.02), coupling(0.1), delay(0.03), exact(0.5), pointNoise(3), gate(13.8), contourNoise(1), jointOffsets(true), contourCorrelation(18)
 {
 }
 
@@ -39,6 +39,7 @@ void checkParams(const ArticulatedPoseEKF::Params& p)
     CV_Check(p.play, p.play >= 0 && p.play < DBL_MAX, "Params::play must not be negative");
     CV_Check(p.coupling, p.coupling >= 0 && p.coupling < DBL_MAX, "Params::coupling must not be negative");
     CV_Check(p.delay, p.delay >= 0 && p.delay < DBL_MAX, "Params::delay must not be negative");
+    CV_Check(p.exact, p.exact >= 0 && p.exact < 1, "Params::exact must be a probability below 1");
     CV_Check(p.pointNoise, p.pointNoise > 0 && p.pointNoise < DBL_MAX, "Params::pointNoise must be positive");
     CV_Check(p.gate, p.gate < DBL_MAX, "Params::gate must be a number");
     CV_Check(p.contourNoise, p.contourNoise > 0 && p.contourNoise < DBL_MAX, "Params::contourNoise must be positive");
@@ -82,7 +83,7 @@ void restore(const AutoBuffer<double, 16>& from, std::vector<double>& to)
 } // namespace
 
 ArticulatedPoseEKFImpl::ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params)
-    : model_(model), nominal_T_base_(nominal_T_base), params_(params), history_(model ? model->coordinateNames().size() : 0)
+    : model_(model), nominal_T_base_(nominal_T_base), params_(params), exact_(params.exact), history_(model ? model->coordinateNames().size() : 0)
 {
     CV_Assert(model);
     CV_Assert(isRigid(nominal_T_base) && "nominal_T_base: rigid");
@@ -107,6 +108,15 @@ ArticulatedPoseEKFImpl::ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, cons
     const int delays = params.delay > 0;   // comes last
     n_ = 6 + errors_->size() + delays;
     m_ = 6 + errors_->offsets() + delays;
+    std::vector<int> constants;
+    std::vector<double> priors;
+    for (int i = 6 + errors_->offsets(); i < n_ - delays; i++)
+    {
+        constants.push_back(i);
+        priors.push_back(prior(i));
+    }
+    exact_.add(constants, priors);
+    if (delays) exact_.add(std::vector<int>(1, n_ - 1), std::vector<double>(1, params.delay));
     for (size_t i = 0; i < deviations_.size(); i++) stateOf_.push_back(errors_->offsetOf(i) < 0 ? -1 : 6 + errors_->offsetOf(i));
     directions_.assign(deviations_.size(), 0.);
     offsets_.assign(deviations_.size(), 0.);
@@ -133,6 +143,7 @@ void ArticulatedPoseEKFImpl::reset(const Matx44d& correction)
     reference_.clear();   // nothing is known of travel
     history_.clear();
     std::fill(directions_.begin(), directions_.end(), 0.);
+    moved_.setZero(n_);
     setReadings(joints_);
     predictedNow();
 }
@@ -159,7 +170,7 @@ void ArticulatedPoseEKFImpl::predictedNow()
     predictedSeen_ = seen(predicted_.P);
     isStateSeen_ = false;
     moved_.setZero(n_);
-    seenMoved_.setZero(m_);
+    see();
     begin();
 }
 
@@ -178,22 +189,27 @@ SeenMatrix ArticulatedPoseEKFImpl::seen(const Matrix& P) const
 // Windows of all parts ask for it.
 const SeenMatrix& ArticulatedPoseEKFImpl::stateSeen() const
 {
-    if (!isStateSeen_) stateSeen_ = seen(state_.P);
+    if (isStateSeen_) return stateSeen_;
+    Vector shift;
+    Matrix P;
+    exact_.mix(state_.theta, state_.P, shift, &P);
+    stateSeen_ = seen(P);
     isStateSeen_ = true;
     return stateSeen_;
 }
 
-// How what is seen has moved.
-void ArticulatedPoseEKFImpl::see(const Vector& x)
+// How far what is believed is from the prediction.
+void ArticulatedPoseEKFImpl::see()
 {
+    const Vector x = moved_ + shift_;
     seenMoved_.resize(m_);
     seenMoved_.head(6) = x.head(6);
     seenMoved_.tail(m_ - 6) = phi_ * x.tail(n_ - 6);
 }
 
-void ArticulatedPoseEKFImpl::sumOffsets()
+void ArticulatedPoseEKFImpl::sumOffsets(const Vector& theta)
 {
-    const Vector d = phi_ * state_.theta;
+    const Vector d = phi_ * theta;
     for (size_t i = 0; i < stateOf_.size(); i++) offsets_[i] = stateOf_[i] >= 0 ? d[stateOf_[i] - 6] : 0;
 }
 
@@ -212,11 +228,14 @@ void ArticulatedPoseEKFImpl::correctJoints(const std::vector<double>& readings, 
 void ArticulatedPoseEKFImpl::place()
 {
     isStateSeen_ = false;
-    sumOffsets();
+    exact_.mix(state_.theta, state_.P, shift_, 0);
+    see();
+    sumOffsets(state_.theta + shift_.tail(n_ - 6));
     history_.at(delay(), late_.data(), rates_.data());
     correctJoints(joints_, corrected_);
     model_->forwardKinematics(corrected_, view_.base_T_link);
-    view_.camera_T_base = state_.correction * nominal_T_base_;
+    correction_ = moved(state_.correction, shift_);
+    view_.camera_T_base = correction_ * nominal_T_base_;
     const std::vector<ToolModel::Link>& links = model_->links();
     for (size_t l = 0; l < links.size(); l++)
     {
@@ -263,7 +282,8 @@ void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double g
         state_.P(i, i) += growth * growth * params_.processRotation * params_.processRotation;
         state_.P(3 + i, 3 + i) += growth * growth * params_.processTranslation * params_.processTranslation;
     }
-    for (int i = 6; i < n_; i++) state_.P(i, i) += std::pow(growth * params_.processJoint * prior(i), 2);
+    static const double others = getenv("PJ") ? atof(getenv("PJ")) : 1;
+    for (int i = 6; i < n_; i++) state_.P(i, i) += std::pow(params_.processJoint * prior(i) * (i < 6 + errors_->offsets() ? 1 : others), 2);
     predictedNow();
 }
 
@@ -283,7 +303,6 @@ void ArticulatedPoseEKFImpl::undo()
 {
     state_ = predicted_;
     moved_.setZero(n_);
-    seenMoved_.setZero(m_);
     place();
 }
 
@@ -313,7 +332,6 @@ void ArticulatedPoseEKFImpl::setState(const State& state)
     for (int i = 0; i < n_; i++) moved_[i] = state.moved[i];
     setReadings(joints_);
     predictedSeen_ = seen(predicted_.P);
-    see(moved_);
 }
 
 void ArticulatedPoseEKFImpl::setHandEye(const Matx44d& nominal_T_base)
@@ -342,7 +360,6 @@ void ArticulatedPoseEKFImpl::moveCamera(const Matx44d& now_T_before)
         e.P = (T * e.P * T.transpose()).eval();
     }
     moved_ = (T * moved_).eval();
-    see(moved_);
     predictedSeen_ = seen(predicted_.P);
     nominal_T_base_ = nearestRigid(now_T_before * nominal_T_base_);
     place();

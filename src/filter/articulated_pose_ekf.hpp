@@ -5,6 +5,7 @@
 #ifndef OPENCV_SURGTRACK_SRC_FILTER_ARTICULATED_POSE_EKF_HPP
 #define OPENCV_SURGTRACK_SRC_FILTER_ARTICULATED_POSE_EKF_HPP
 
+#include "filter/exact_readings.hpp"
 #include "filter/joint_errors.hpp"
 #include "filter/reading_history.hpp"
 
@@ -53,8 +54,8 @@ public:
     void setHandEye(const Matx44d& nominal_T_base) CV_OVERRIDE;
     void moveCamera(const Matx44d& now_T_before) CV_OVERRIDE;
     const ToolView& view() const CV_OVERRIDE { return view_; }
-    Matx44d correction() const CV_OVERRIDE { return state_.correction; }
-    double delay() const CV_OVERRIDE { return params_.delay > 0 ? state_.theta[n_ - 7] : 0; }
+    Matx44d correction() const CV_OVERRIDE { return correction_; }
+    double delay() const CV_OVERRIDE { return params_.delay > 0 ? state_.theta[n_ - 7] + shift_[n_ - 1] : 0; }
     const std::vector<double>& offsets() const CV_OVERRIDE { return offsets_; }
     const std::vector<double>& joints() const CV_OVERRIDE { return corrected_; }
     void correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const CV_OVERRIDE;
@@ -79,8 +80,9 @@ private:
     void motion(int link, const Point3d& p, Rows3& D) const;
     void setReadings(const std::vector<double>& readings);
     void predictedNow();
-    void sumOffsets();
-    void see(const Vector& x);
+    void sumOffsets(const Vector& theta);
+    void see();
+    Matx44d moved(const Matx44d& correction, const Vector& x) const;
     SeenMatrix seen(const Matrix& P) const;
     const SeenMatrix& stateSeen() const;
     bool posterior(const Matrix& P, Vector& x, Matrix& result) const;
@@ -100,19 +102,22 @@ private:
     std::vector<double> directions_;  // see JointErrors
     Matrix phi_;                      // d = phi theta
     std::vector<double> offsets_;     // of a coordinate, d
+    ExactReadings exact_;
     ReadingHistory history_;
     std::vector<double> late_, rates_;   // of a coordinate: reading at the image's time less that of the frame, and its change a second
     std::vector<double> corrected_;
     ToolView view_;
     std::vector<std::vector<Axis> > axes_;   // of a link: the joints that move it
     Estimate state_, predicted_;
+    Vector shift_;                    // from the state to what is believed, see ExactReadings
+    Matx44d correction_;              // that is believed
 
     SeenMatrix A_;
     SeenVector b_;
     double square_;                   // sum of r^2 / sigma^2
     int rows_;
     Vector moved_;                    // x of the state since predict()
-    SeenVector seenMoved_;            // of what is seen
+    SeenVector seenMoved_;            // of what is seen and believed
     SeenMatrix predictedSeen_;        // covariance
     mutable SeenMatrix stateSeen_;    // the same of the state, where it was asked for since the last place()
     mutable bool isStateSeen_ = false;

@@ -43,7 +43,7 @@ template <class V> void visit(V& v, ToolPoseEKF::Params& p)
 template <class V> void visit(V& v, ArticulatedPoseEKF::Params& p)
 {
     FIELD(initialRotation); FIELD(initialTranslation); FIELD(processRotation); FIELD(processTranslation); FIELD(processJoint); FIELD(gain); FIELD(play);
-    FIELD(coupling); FIELD(delay); FIELD(pointNoise);
+    FIELD(coupling); FIELD(delay); FIELD(exact); FIELD(pointNoise);
     FIELD(gate); FIELD(contourNoise); FIELD(jointOffsets); FIELD(contourCorrelation);
 }
 

@@ -33,7 +33,6 @@ const int unsureFrames = 4;            // that a first pose may stay without bei
 
 const double unusual = 0.75;           // log odds less than in the frames before: what they change by from frame to frame
 const double usualFrames = 5;          // that they are averaged over
-const double depthStep = 0.003;        // [m]; half of what the two basins of depth were apart where they were seen
 
 // The right eye is left out where it sees so much less of the outline than the left one, in so many frames in a row.
 const double eyeDisagreement = 0.25;
@@ -59,6 +58,7 @@ FullMethod::FullMethod(int index, const Ptr<ToolModel>& model, const Matx44d& no
     used_.reserve(parts);
     without_.inliers.reserve(parts);
     far_.inliers.reserve(parts);
+    rival_.pose.inliers.reserve(parts);
     reset();
 }
 
@@ -69,7 +69,7 @@ void FullMethod::reset()
     placed_ = sure_ = filter_->state();
     shownJoints_.assign(coordinates_, 0.);
     usual_ = -DBL_MAX;
-    searches_ = boosted_ = pushed_ = disagreed_ = 0;
+    searches_ = boosted_ = pushed_ = disagreed_ = rival_.frames = 0;
     eyes_ = 2;
     searched_ = isSeen_ = false;
     logOdds_ = 0;
@@ -167,6 +167,8 @@ void FullMethod::expectParts(const PartFinder& eye, bool known)
 
 bool FullMethod::follow(Scene& scene, const PartDrawing* ahead)
 {
+    const bool rivalled = rival_.frames > 0;
+    if (rivalled) followRival(scene);
     for (size_t e = 0; e < eyes(scene); e++)
     {
         expectParts(*scene.eyes[e], true);
@@ -188,7 +190,10 @@ bool FullMethod::follow(Scene& scene, const PartDrawing* ahead)
         }
     }
     if (pushed_ || evidence_.logOdds() < usual_ - unusual) correctAnew(scene);
+    if (rivalled) judgeRival();
     judgeEyes(scene);
+    const bool dbg = getenv("DBG") != 0;
+    if (dbg) fprintf(stderr, "%.2f tool %d state %d plausible %d sup %.2f nis %.2f sim %.2f n %d lo %.2f prior %.2f pushed %d\n", scene.time * 25, index_, state_, evidence_.plausible, evidence_.support, evidence_.nis, evidence_.similarity, evidence_.parts, evidence_.logOdds(), prior(scene.time), pushed_);
     if (continues(scene)) return true;
     filter_->undo();
     inliers_.clear();
@@ -245,38 +250,6 @@ void FullMethod::correctByOutline(Scene& scene)
     refine(scene, trackPass);
 }
 
-/* Much less is explained than in the frames before: edges of something else may have pulled the pose away, most easily in depth. Once
-   more with edges that are near to where the points have it, and from nearer and farther; what explains clearly more is kept. */
-void FullMethod::correctAnew(Scene& scene)
-{
-    keepPose(far_);
-    filter_->undo();
-    const ArticulatedPoseEKF::State predicted = filter_->state();
-    evidence_.points = correctPoints(scene, eyes(scene)) > 0;
-    if (!evidence_.points) filter_->undo();
-    refine(scene, nearPass);
-    if (isBetter(far_)) keepPose(far_);
-    if (far_.evidence.nis > pushedNis)   // the set of points may be a false one
-    {
-        correctByOutline(scene);
-        if (isBetter(far_)) keepPose(far_);
-    }
-    for (int side = -1; side <= 1; side += 2)
-    {
-        const Point3d at = transform(predicted.corrected.correction, nominalPoints_[0]);
-        ArticulatedPoseEKF::State moved = predicted;
-        const Matx44d shift = rigidTransform(Matx33d::eye(), at * (side * depthStep / norm(at)));
-        moved.predicted.correction = shift * moved.predicted.correction;
-        moved.corrected.correction = shift * moved.corrected.correction;
-        filter_->setState(moved);
-        filter_->inflate(0, depthStep);
-        correct(scene);
-        if (isBetter(far_)) keepPose(far_);
-    }
-    setPose(far_);
-    usual_ = evidence_.logOdds();   // there is no better
-}
-
 bool FullMethod::isBetter(const Pose& other) const
 {
     return evidence_.logOdds() > other.evidence.logOdds() + thresholds_.pushedGain;
@@ -313,7 +286,8 @@ void FullMethod::conclude(const Scene& scene, bool seen)
         if (searched_ && state_ == STATE_TRACKING) state_ = STATE_COASTING;   // found elsewhere: to be confirmed
         const bool followed = !searched_ && (state_ == STATE_TRACKING || (state_ == STATE_COASTING && own + past >= thresholds_.sure));
         logOdds_ = own + past;
-        if (followed || sure || confirmed)
+        if (rival_.frames > 0) state_ = STATE_COASTING;   // one of two
+        else if (followed || sure || confirmed)
         {
             state_ = STATE_TRACKING;
             searches_ = 0;
@@ -328,7 +302,7 @@ void FullMethod::conclude(const Scene& scene, bool seen)
     }
     else
     {
-        confirmed_ = 0;
+        confirmed_ = rival_.frames = 0;
         inliers_.clear();
         evidence_.nis = 0;
         if (searched_)   // the pose of the search was a false one
@@ -375,6 +349,7 @@ void FullMethod::moveStates(const std::function<void(ArticulatedPoseEKF&)>& move
     filter_->setState(sure_);
     move(*filter_);
     sure_ = filter_->state();
+    rival_.frames = 0;
     filter_->setState(now);
     move(*filter_);
 }

@@ -41,6 +41,14 @@ private:
         size_t eyes;
     };
 
+    //! A second pose that explains the image about as well as the one that is believed.
+    struct Rival
+    {
+        Pose pose;
+        double lead;   // log odds against the one that is believed, of all frames since
+        int frames;    // since, with the first one; 0: there is none
+    };
+
     void correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const CV_OVERRIDE { filter_->correctJoints(readings, joints); }
     const ToolView& predict(const std::vector<double>& joints, double seconds) CV_OVERRIDE;
     Pose pose() const;
@@ -60,6 +68,9 @@ private:
     void correctByOutline(Scene& scene);
     void correctAnew(Scene& scene);
     bool isBetter(const Pose& other) const;
+    double distance(const Pose& pose) const;
+    void followRival(Scene& scene);
+    void judgeRival();
     void dropPoints(Scene& scene);
     int addPoints(Scene& scene, size_t eyes, double tolerance);
 
@@ -91,6 +102,7 @@ private:
     int disagreed_;                        // consecutive frames in which the right eye did not see what the left one saw
     int boosted_;                          // frames for which the process noise stays raised,
     int pushed_;                           // and for which a push is going on
+    Rival rival_;
 
     // Memory of one function each.
     Pose without_, far_;

@@ -36,6 +36,7 @@ public:
         CV_PROP_RW double play;                 //!< the same, of half its play [rad]
         CV_PROP_RW double coupling;             //!< the same, of a share of the travel of the coordinate before it
         CV_PROP_RW double delay;                //!< the same, of the time between image and readings [s]; what is known of it is taken off before
+        CV_PROP_RW double exact;                //!< prior probability that there is neither gain nor play nor coupling at all, and that there is no delay
         CV_PROP_RW double pointNoise;           //!< standard deviation of a part's image point [pixel]
         CV_PROP_RW double gate;                 //!< points with a larger squared Mahalanobis distance are left out; 13.8 = 99.9 % of chi-square with 2 dof
         CV_PROP_RW double contourNoise;         //!< standard deviation of an edge along its normal [pixel]
