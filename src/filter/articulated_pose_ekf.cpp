@@ -9,6 +9,14 @@
 
 namespace cv { namespace surgtrack {
 
+namespace {
+
+const double frameRate = 25;      // that process noise is given for
+const double longestGap = 12;     // frames that it grows for: half a second in which nothing is seen
+const double steadiness = 0.2;    // process noise of gains, play and the like as a share of that of offsets, which take up what the model does not explain
+
+} // namespace
+
 void ArticulatedPoseEKF::reset()
 {
     reset(Matx44d::eye());
@@ -22,7 +30,7 @@ void ArticulatedPoseEKF::copyTo(const Ptr<ArticulatedPoseEKF>& other) const
 
 ArticulatedPoseEKF::Params::Params()
     : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.1 * CV_PI / 180), processTranslation(0.0003),
-      processJoint(0.03), gain(0.02), play(0.02), coupling(0.1), delay(0.03), exact(0.5), pointNoise(3), gate(13.8), contourNoise(1), jointOffsets(true), contourCorrelation(18)
+      processJoint(0.03), gain(0.02), play(0.02), coupling(0.1), delay(0.1), exact(0.02), pointNoise(3), gate(13.8), contourNoise(1), jointOffsets(true), contourCorrelation(18)
 {
 }
 
@@ -263,8 +271,8 @@ void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double g
     CV_Check(growth, growth >= 0 && growth < DBL_MAX, "growth must not be negative");
     CV_Check(seconds, seconds >= 0 && seconds < DBL_MAX, "seconds must not be negative");
     history_.add(joints.data(), seconds);
-    if (reference_.empty()) reference_ = joints;
-    else JointErrors::hang(joints_.data(), joints.data(), joints.size(), &directions_[0]);
+    if (reference_.empty()) reference_ = joints_ = joints;
+    JointErrors::hang(joints_.data(), joints.data(), joints.size(), &directions_[0]);
     setReadings(joints);
     const std::vector<ToolModel::Keypoint>& keypoints = model_->keypoints();
     Point3d centre;
@@ -277,13 +285,14 @@ void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double g
     T(3, 1) = d.z; T(3, 2) = -d.y; T(4, 0) = -d.z; T(4, 2) = d.x; T(5, 0) = d.y; T(5, 1) = -d.x;
     if (state_.placed) state_.P = (T * state_.P * T.transpose()).eval();
     state_.placed = true;
+    const double frames = seconds > 0 ? std::min(seconds * frameRate, longestGap) : 1, more = growth * growth * frames;
     for (int i = 0; i < 3; i++)
     {
-        state_.P(i, i) += growth * growth * params_.processRotation * params_.processRotation;
-        state_.P(3 + i, 3 + i) += growth * growth * params_.processTranslation * params_.processTranslation;
+        state_.P(i, i) += more * params_.processRotation * params_.processRotation;
+        state_.P(3 + i, 3 + i) += more * params_.processTranslation * params_.processTranslation;
     }
-    static const double others = getenv("PJ") ? atof(getenv("PJ")) : 1;
-    for (int i = 6; i < n_; i++) state_.P(i, i) += std::pow(params_.processJoint * prior(i) * (i < 6 + errors_->offsets() ? 1 : others), 2);
+    const int offsets = 6 + errors_->offsets();
+    for (int i = 6; i < n_; i++) state_.P(i, i) += more * std::pow(params_.processJoint * prior(i) * (i < offsets || i >= 6 + errors_->size() ? 1 : steadiness), 2);
     predictedNow();
 }
 

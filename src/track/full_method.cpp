@@ -31,6 +31,8 @@ const double staleMargin = 30;         // about the keypoints [pixel at 720 px i
 const double remembered = 0.25;        // a tool that moves at 5 cm/s is a centimetre farther by then [s]
 const int unsureFrames = 4;            // that a first pose may stay without being confirmed: others come to their turn
 
+const int settlingFrames = 50;         // from the first pose until the filter knows the calibration as well as it will
+
 const double unusual = 0.75;           // log odds less than in the frames before: what they change by from frame to frame
 const double usualFrames = 5;          // that they are averaged over
 
@@ -69,7 +71,7 @@ void FullMethod::reset()
     placed_ = sure_ = filter_->state();
     shownJoints_.assign(coordinates_, 0.);
     usual_ = -DBL_MAX;
-    searches_ = boosted_ = pushed_ = disagreed_ = rival_.frames = 0;
+    searches_ = boosted_ = pushed_ = disagreed_ = disputed_ = settling_ = rival_.frames = 0;
     eyes_ = 2;
     searched_ = isSeen_ = false;
     logOdds_ = 0;
@@ -98,6 +100,7 @@ FullMethod::Pose FullMethod::pose() const
 void FullMethod::keepPose(Pose& pose) const
 {
     pose.filter = filter_->state();
+    pose.correction = filter_->correction();
     pose.evidence = evidence_;
     pose.inliers = inliers_;
     pose.visibleParts = visibleParts_;
@@ -189,11 +192,9 @@ bool FullMethod::follow(Scene& scene, const PartDrawing* ahead)
             if (evidence_.nis > pushedNis) correctByOutline(scene);   // the set of points is a false one
         }
     }
-    if (pushed_ || evidence_.logOdds() < usual_ - unusual) correctAnew(scene);
+    if (pushed_ || evidence_.logOdds() < usual_ - unusual || isDisputed(scene)) correctAnew(scene);
     if (rivalled) judgeRival();
     judgeEyes(scene);
-    const bool dbg = getenv("DBG") != 0;
-    if (dbg) fprintf(stderr, "%.2f tool %d state %d plausible %d sup %.2f nis %.2f sim %.2f n %d lo %.2f prior %.2f pushed %d\n", scene.time * 25, index_, state_, evidence_.plausible, evidence_.support, evidence_.nis, evidence_.similarity, evidence_.parts, evidence_.logOdds(), prior(scene.time), pushed_);
     if (continues(scene)) return true;
     filter_->undo();
     inliers_.clear();
@@ -286,15 +287,16 @@ void FullMethod::conclude(const Scene& scene, bool seen)
         if (searched_ && state_ == STATE_TRACKING) state_ = STATE_COASTING;   // found elsewhere: to be confirmed
         const bool followed = !searched_ && (state_ == STATE_TRACKING || (state_ == STATE_COASTING && own + past >= thresholds_.sure));
         logOdds_ = own + past;
-        if (rival_.frames > 0) state_ = STATE_COASTING;   // one of two
+        if (rival_.frames > 0 && state_ == STATE_TRACKING) state_ = STATE_COASTING;   // one of two
         else if (followed || sure || confirmed)
         {
             state_ = STATE_TRACKING;
             searches_ = 0;
             searched_ = false;
             sure_ = filter_->state();
-            if (!isSettled_ && confirmed_ > startFrames)
+            if (confirmed_ > startFrames && settling_ < settlingFrames && cameraMotion() == Matx44d::eye())
             {
+                settling_++;
                 isSettled_ = true;
                 settled_ = filter_->correction();
             }
@@ -328,6 +330,7 @@ void FullMethod::setHandEye(const Matx44d& nominal_T_base)
     nominal_T_base_ = nominal_T_base;
     calibration_ = Matx44d::eye();
     isSettled_ = false;
+    settling_ = 0;
     moveStates([&](ArticulatedPoseEKF& filter) { filter.setHandEye(nominal_T_base); });
     if (starts()) filter_->reset();
     correction_ = filter_->correction();
@@ -365,10 +368,11 @@ void FullMethod::report(ToolEstimate& e) const
 {
     ToolMethod::report(e);
     e.covariance = filter_->poseCovariance();
+    if (rival_.frames > 0) spanRival(e.covariance);
     std::copy(filter_->offsets().begin(), filter_->offsets().end(), e.jointOffsets.begin());
     e.joints = filter_->joints();
     e.delay = filter_->delay();
-    e.confidence = isSeen_ ? probability(logOdds_) : 0;
+    e.confidence = isSeen_ ? probability(logOdds_) * (rival_.frames > 0 ? probability(-rival_.lead) : 1) : 0;
 }
 
 }} // namespace cv::surgtrack

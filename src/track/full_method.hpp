@@ -35,6 +35,7 @@ private:
     struct Pose
     {
         ArticulatedPoseEKF::State filter;
+        Matx44d correction;
         Evidence evidence;
         std::vector<PartMatch> inliers;
         int visibleParts;
@@ -69,8 +70,10 @@ private:
     void correctAnew(Scene& scene);
     bool isBetter(const Pose& other) const;
     double distance(const Pose& pose) const;
+    bool isDisputed(const Scene& scene);
     void followRival(Scene& scene);
     void judgeRival();
+    void spanRival(Matx66d& covariance) const;
     void dropPoints(Scene& scene);
     int addPoints(Scene& scene, size_t eyes, double tolerance);
 
@@ -102,6 +105,8 @@ private:
     int disagreed_;                        // consecutive frames in which the right eye did not see what the left one saw
     int boosted_;                          // frames for which the process noise stays raised,
     int pushed_;                           // and for which a push is going on
+    int settling_;                         // frames that have gone into where the calibration is settled
+    int disputed_;                         // frames in which another tool saw another motion of the camera
     Rival rival_;
 
     // Memory of one function each.

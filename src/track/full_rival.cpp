@@ -11,7 +11,9 @@ namespace cv { namespace surgtrack {
 namespace {
 
 const double depthStep = 0.003;        // [m]; half of what the two basins of depth were apart where they were seen
-const double depthRotation = CV_PI / 180;   // what another tool tells of the camera's motion is as uncertain as a push [rad]
+const double cameraTurn = CV_PI / 180; // another tool's correction tells the camera's motion so well [rad]
+const double disputed = 0.002;         // estimates of the camera's motion by two tools differ by as much, from one posture to another [m]
+const int disputedFrames = 5;
 const double apart = 0.001;            // poses that are nearer to each other are the same [m]
 const int rivalFrames = 25;            // that two poses are followed at most: a second
 
@@ -21,7 +23,16 @@ const int rivalFrames = 25;            // that two poses are followed at most: a
 double FullMethod::distance(const Pose& pose) const
 {
     const Point3d& p = nominalPoints_[0];
-    return norm(transform(filter_->correction(), p) - transform(pose.filter.corrected.correction, p));
+    return norm(transform(filter_->correction(), p) - transform(pose.correction, p));
+}
+
+// Whether another tool saw the camera move otherwise, every fifth time.
+bool FullMethod::isDisputed(const Scene& scene)
+{
+    if (!isSettled_ || scene.cameraMotion == Matx44d::eye()) return false;
+    const Point3d& p = nominalPoints_[0];
+    if (norm(transform(filter_->correction(), p) - transform(scene.cameraMotion * settled_, p)) < disputed) return false;
+    return ++disputed_ % disputedFrames == 0;
 }
 
 /* Much less is explained than in the frames before: edges of something else may have pulled the pose away, most easily in depth. Once
@@ -44,16 +55,14 @@ void FullMethod::correctAnew(Scene& scene)
         if (camera && (!isSettled_ || scene.cameraMotion == Matx44d::eye())) continue;
         ArticulatedPoseEKF::State moved = predicted;
         const Matx44d shift = rigidTransform(Matx33d::eye(), at * ((i == 0 ? -1 : 1) * depthStep / norm(at)));
-        moved.predicted.correction = camera ? scene.cameraMotion * settled_ : shift * moved.predicted.correction;
-        moved.corrected.correction = camera ? scene.cameraMotion * settled_ : shift * moved.corrected.correction;
+        moved.predicted.correction = moved.corrected.correction = camera ? scene.cameraMotion * settled_ : shift * predicted.predicted.correction;
         filter_->setState(moved);
-        filter_->inflate(camera ? depthRotation : 0, depthStep);
+        filter_->inflate(camera ? cameraTurn : 0, depthStep);
         correct(scene);
-        if (getenv("DBG")) fprintf(stderr, "  hyp %d: lo %.2f against %.2f, distance %.2f mm\n", i, evidence_.logOdds(), far_.evidence.logOdds(), distance(far_) * 1000);
-        if (!isBetter(far_)) continue;
         const double lead = evidence_.logOdds() - far_.evidence.logOdds();
-        if (distance(far_) < apart || lead > thresholds_.confirmed) keepPose(far_);
-        else if (rival_.frames == 0 || lead > rival_.lead)
+        if (lead < (camera ? -thresholds_.confirmed : thresholds_.pushedGain)) continue;   // there is more that speaks for the camera's motion
+        if (lead > thresholds_.confirmed || (lead > thresholds_.pushedGain && distance(far_) < apart)) keepPose(far_);
+        else if (distance(far_) >= apart && (rival_.frames == 0 || lead > rival_.lead))
         {
             keepPose(rival_.pose);
             rival_.lead = lead;
@@ -84,11 +93,21 @@ void FullMethod::followRival(Scene& scene)
     filter_->setState(believed);
 }
 
+// The covariance of a mixture of the two.
+void FullMethod::spanRival(Matx66d& covariance) const
+{
+    const Matx44d between = rival_.pose.correction * rigidInverse(correction_);
+    const Point3d at = transform(correction_, nominalPoints_[0]), moved = transform(between, at) - at;
+    const Vec3d turn = rotationVector(between.get_minor<3, 3>(0, 0));
+    const Vec6d d(turn[0], turn[1], turn[2], moved.x, moved.y, moved.z);
+    const double p = probability(rival_.lead);
+    covariance += p * (1 - p) * d * d.t();
+}
+
 // The frames since the two parted tell together which one it is.
 void FullMethod::judgeRival()
 {
     rival_.lead += rival_.pose.evidence.logOdds() - evidence_.logOdds();
-    if (getenv("DBG")) fprintf(stderr, "  rival lo %.2f against %.2f, lead %.2f distance %.2f mm\n", rival_.pose.evidence.logOdds(), evidence_.logOdds(), rival_.lead, distance(rival_.pose) * 1000);
     if (rival_.lead >= thresholds_.sure)
     {
         setPose(rival_.pose);

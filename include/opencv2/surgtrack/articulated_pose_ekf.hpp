@@ -29,14 +29,14 @@ public:
         CV_WRAP Params();
         CV_PROP_RW double initialRotation;      //!< standard deviation of the hand-eye calibration [rad]
         CV_PROP_RW double initialTranslation;   //!< the same, at the tool [m]
-        CV_PROP_RW double processRotation;      //!< process noise, standard deviation a frame [rad]
+        CV_PROP_RW double processRotation;      //!< process noise, standard deviation in a frame of 40 ms; its variance grows with time [rad]
         CV_PROP_RW double processTranslation;   //!< the same [m]
-        CV_PROP_RW double processJoint;         //!< the same, of what is wrong with the joints' readings, as a share of its prior deviation
+        CV_PROP_RW double processJoint;         //!< the same, of what is wrong with the joints' readings, as a share of its prior deviation; offsets, a fifth of it the others
         CV_PROP_RW double gain;                 //!< prior standard deviation of a turning joint's gain, of its travel; 0 = none, as of the next two; defaults: what a real PSM had
         CV_PROP_RW double play;                 //!< the same, of half its play [rad]
         CV_PROP_RW double coupling;             //!< the same, of a share of the travel of the coordinate before it
         CV_PROP_RW double delay;                //!< the same, of the time between image and readings [s]; what is known of it is taken off before
-        CV_PROP_RW double exact;                //!< prior probability that there is neither gain nor play nor coupling at all, and that there is no delay
+        CV_PROP_RW double exact;                //!< prior probability that there is neither gain nor play nor coupling at all, and that there is no delay; 0 = there are
         CV_PROP_RW double pointNoise;           //!< standard deviation of a part's image point [pixel]
         CV_PROP_RW double gate;                 //!< points with a larger squared Mahalanobis distance are left out; 13.8 = 99.9 % of chi-square with 2 dof
         CV_PROP_RW double contourNoise;         //!< standard deviation of an edge along its normal [pixel]
@@ -86,7 +86,8 @@ public:
     /** @brief One frame passes.
     @param joints readings, one per coordinate [rad or m]
     @param growth factor on the deviations of Q
-    @param seconds since the last frame; 0 = it is the same one once more, or not known: then nothing is learnt of the delay */
+    @param seconds since the last frame; 0 = it is the same one once more, or not known: then nothing is learnt of the delay, and Q is that
+    of 40 ms */
     CV_WRAP virtual void predict(const std::vector<double>& joints, double growth = 1, double seconds = 0) = 0;
 
     /** @brief Takes back everything since the last predict(); the prediction's P grows by these standard deviations, as after a push.
