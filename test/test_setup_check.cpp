@@ -105,6 +105,18 @@ TEST_F(SurgTrack_SetupCheck, namesUnitsOfReadings)
     expectFinding(list("kinematics.csv", "metres, not millimetres"));
 }
 
+// Angles that are small enough to be some turns as radians: the calibration, or the instrument, would be blamed.
+TEST_F(SurgTrack_SetupCheck, namesTheFewJointsThatAreInDegrees)
+{
+    for (int first = 0; first < 5; first += 4)   // q1 and q2, of the arm; q5 and q6, of the wrist
+    {
+        std::vector<double> degrees(7, 1.);
+        degrees[first] = degrees[first + 1] = 180 / CV_PI;
+        scaleReadings(degrees);
+        expectFinding(list("kinematics.csv: tool 'PSM1'", "radians, not degrees"));
+    }
+}
+
 TEST_F(SurgTrack_SetupCheck, namesTheInverseOfACalibration)
 {
     writeHandEye(folder, "PSM2", sound->tool(1).nominal_T_base.inv());

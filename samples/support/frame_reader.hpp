@@ -28,6 +28,7 @@ public:
         if (!capture_.open(filename_))
             fail(filename_ + ": can't be read as a video");
         asRecorded(capture_);
+        noteTurned(capture_, filename_);
         if (!sequence.hasFrameTimes())
         {
             warnOfRate(capture_, filename_, sequence.fps());

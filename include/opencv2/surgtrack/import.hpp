@@ -145,7 +145,8 @@ CV_EXPORTS_W void importDaVinciJoints(const String& filename, const Ptr<ToolMode
 CV_EXPORTS_W Matx44d importDaVinciHandEye(const String& filename, const String& key);
 
 /** @brief Writes keypoints.csv from the labels of the EndoVis 2015 challenge (JSON: a list of images).
-@param labels the JSON; the frame is the number in an entry's `filename`, counted from that of the first entry; without numbers entry k is frame k
+@param labels the JSON; the frame is the number in an entry's `filename`, counted from that of the first entry; without numbers entry k is frame k. A
+label without `id`, as some of the test set are, is of the only tool of its image without a label of that class; else it is left out
 @param csv the file to write
 @param keypoints `CLASS:NAME` each: label classes to write and the names of the tool's keypoints they are; empty: all, by their class
 @param tools `ID:NAME` each, the same for tools
