@@ -218,7 +218,13 @@ TEST_F(SurgTrack_SetupCheck, namesReadingsBeyondTheLimitsOfTheTool)
     ToolModel::create(limited)->save(path("limited.yaml"));
     EXPECT_EQ(3, ToolModel::load(path("limited.yaml"))->jointLimits().at<double>(4, 1));
     writeSequenceTool(folder, "PSM1", path("limited.yaml"), sound->tool(0).nominal_T_base);
-    expectFinding(list("tool 'PSM1': coordinate q5", "its limits in the tool file are 2 and 3"));
+    expectFinding(list("tool 'PSM1': coordinate q5", "its limits in the tool file are 2 and 3: another column?"));
+    limited.limits[4] = Vec2d(-1.5, 1.5);
+    ToolModel::create(limited)->save(path("limited.yaml"));
+    std::vector<double> degrees(7, 1.);
+    degrees[4] = 10;   // some of the readings are beyond the limits, none more than two turns
+    scaleReadings(degrees);
+    expectFinding(list("tool 'PSM1': coordinate q5", "expected radians, not degrees"));
 }
 
 TEST(SurgTrack_SetupUnits, areToldByWhatNoInstrumentCanDo)

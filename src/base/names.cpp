@@ -30,13 +30,13 @@ static int difference(const String& a, const String& b)
 String closestName(const String& name, const std::vector<String>& names)
 {
     const String* best = 0;
+    const String lastOfName = name.substr(name.rfind('.') + 1);   // all of it if there is no dot
     int least = std::max(1, (int)name.size() / 3);   // what differs by more is another word
     for (size_t i = 0; i < names.size(); i++)
     {
-        const size_t dot = names[i].rfind('.');
-        const int whole = difference(name, names[i]), last = dot == String::npos ? whole : difference(name, names[i].substr(dot + 1));
-        if (std::min(whole, last) > least || (best && std::min(whole, last) == least)) continue;
-        least = std::min(whole, last);
+        const int last = 1 + difference(lastOfName, names[i].substr(names[i].rfind('.') + 1)), differs = std::min(difference(name, names[i]), last);
+        if (differs > least || (best && differs == least)) continue;
+        least = differs;
         best = &names[i];
     }
     return best ? *best : String();

@@ -24,6 +24,7 @@ struct Range
     bool contains(double value) const { return value >= low && value <= high; }
     String text(const char* kind) const
     {
+        if (low == INT_MIN) return String("expected ") + kind;
         const String from = low == DBL_MIN ? String("above 0") : format("from %g", low);
         return String("expected ") + kind + " " + from + (high == DBL_MAX ? String(low == DBL_MIN ? "" : " on") : format(" to %g", high));
     }

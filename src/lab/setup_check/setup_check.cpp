@@ -20,12 +20,17 @@ const double limitSlack = 0.2;         // readings this far beyond a limit are w
 const double degrees = 1;              // a turning joint that goes further may have been read in degrees [rad]
 const int leastKeypoints = 6;
 
-//! How the units of a coordinate show: those of the first link that it moves.
+//! How the units of a coordinate show: those of the first link that it turns, else of one that it moves, as a jaw's rod beside the jaw.
 const ToolModel::Link* linkOf(const ToolModel& model, int coordinate)
 {
+    const ToolModel::Link* found = 0;
     for (size_t i = 0; i < model.links().size(); i++)
-        if (model.links()[i].jointType != ToolModel::JOINT_FIXED && model.links()[i].coordinate == coordinate) return &model.links()[i];
-    return 0;
+    {
+        const ToolModel::Link& link = model.links()[i];
+        if (link.jointType == ToolModel::JOINT_FIXED || link.coordinate != coordinate) continue;
+        if (!found || (found->jointType == ToolModel::JOINT_PRISMATIC && link.jointType == ToolModel::JOINT_REVOLUTE)) found = &link;
+    }
+    return found;
 }
 
 //! A coordinate that is beyond its limits for a tenth of the time.
@@ -41,8 +46,11 @@ String limitFault(const ToolModel& model, const Mat& joints)
         if (beyond * 10 < joints.rows) continue;
         double low, high;
         minMaxIdx(joints.col(c), &low, &high);
-        return format("coordinate %s goes from %.4g to %.4g, its limits in the tool file are %g and %g: other units, or another column?",
-                      model.coordinateNames()[c].c_str(), low, high, limits(c, 0), limits(c, 1));
+        const bool slides = link->jointType == ToolModel::JOINT_PRISMATIC;
+        const double unit = slides ? 1e-3 : CV_PI / 180;
+        const bool fits = low * unit >= limits(c, 0) - slack && high * unit <= limits(c, 1) + slack;
+        return format("coordinate %s goes from %.4g to %.4g, its limits in the tool file are %g and %g: %s", model.coordinateNames()[c].c_str(), low, high,
+                      limits(c, 0), limits(c, 1), !fits ? "another column?" : slides ? "expected metres, not millimetres" : "expected radians, not degrees");
     }
     return String();
 }
