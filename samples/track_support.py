@@ -25,7 +25,7 @@ class FrameReader:
         self.capture = cv.VideoCapture(self.filename)
         self.capture.set(cv.CAP_PROP_ORIENTATION_AUTO, 0)       # frames as the camera was calibrated with, not turned
         if not self.capture.isOpened():
-            raise Failure('%s: can\'t be read as a video' % self.filename)
+            raise Failure('%s: can\'t be read as a video%s' % (self.filename, ', expected images numbered from 0 or 1 on' if '%' in self.filename else ''))
         turned, header = round(self.capture.get(cv.CAP_PROP_ORIENTATION_META)), self.capture.get(cv.CAP_PROP_FPS)
         if turned in (90, 180, 270):
             sys.stderr.write('note: %s: is to be rotated by %d degrees by its header, its frames are taken as they were recorded\n' % (self.filename, turned))
@@ -66,13 +66,16 @@ class FrameReader:
         if (image.shape[1], image.shape[0]) != tuple(self.size):
             raise Failure('%s: frame %d has %dx%d pixels, expected %dx%d as in sequence.yaml%s'
                           % ((self.filename, self.next, image.shape[1], image.shape[0]) + tuple(self.size)
-                             + (' by image_width, image_height and layout' if self.layout else '',)))
+                             + (' by image_width, image_height and layout' if self.layout
+                                else ': is it turned by 90 degrees?' if image.shape[:2] == tuple(self.size) else '',)))
         self.next += 1
         return image
 
     def check_end(self, sequence):
         if self.next < sequence.groundTruthEnd():
             raise Failure('%s: ends after %d frames, expected %d as in the ground truth' % (self.filename, self.next, sequence.groundTruthEnd()))
+        if self.next < self.count and '%' in self.filename:
+            raise Failure('%s: ends after %d images, expected %d: is one missing?' % (self.filename, self.next, self.count))
         if self.next + 2 < self.count:      # some containers count what was cut off
             sys.stderr.write('note: %s: has %d frames, its header counts %d\n' % (self.filename, self.next, self.count))
 

@@ -162,6 +162,21 @@ TEST_F(SurgTrack_SetupCheck, namesEyesThatAreExchanged)
     EXPECT_TRUE(checkEyes(sound).empty());
 }
 
+TEST_F(SurgTrack_SetupCheck, namesImagesThatAreUpsideDown)
+{
+    const String turned = path("turned.avi");
+    cv::VideoCapture video(sound->leftVideo());
+    cv::VideoWriter writer(turned, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25, sound->frameSize());
+    for (Mat image; video.read(image); )
+    {
+        cv::rotate(image, image, cv::ROTATE_180);
+        writer.write(image);
+    }
+    writer.release();
+    put("sequence.yaml", replaced(get("sequence.yaml"), sound->leftVideo(), turned));
+    expectFinding(list("left.video", "turned by 180 degrees"));
+}
+
 // The built-in tool with a wrist and jaws half as long again.
 TEST_F(SurgTrack_SetupCheck, namesAnotherInstrument)
 {

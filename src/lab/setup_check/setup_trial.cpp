@@ -85,7 +85,9 @@ void SetupTrial::trackStretch(const SetupTools& tools, int start, std::vector<Se
             if (!sequence_.jointsAt((int)i, time + tools.timeOffsets[i], joints[i], tools.models[i]->coordinateNames())) return;
             tools.readAs((int)i, joints[i]);
         }
-        tracker->update(image->second, time, joints, estimates);
+        Mat turned = image->second;
+        if (tools.upsideDown) rotate(image->second, turned, ROTATE_180);
+        tracker->update(turned, time, joints, estimates);
         for (size_t i = 0; i < estimates.size(); i++)
         {
             const ToolEstimate& e = estimates[i];

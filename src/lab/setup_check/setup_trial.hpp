@@ -20,6 +20,8 @@ struct SetupTools
     std::vector<double> timeOffsets;   // a tool, beside that of the sequence [s]
     std::vector<std::vector<char> > inDegrees;   // a tool, a coordinate: its readings are; none: all as they are
 
+    bool upsideDown = false;           // images are turned by 180 degrees
+
     void readAs(int tool, std::vector<double>& joints) const;
 };
 

@@ -1660,6 +1660,9 @@ class Sequence:
     def lastTime(self, tool: int) -> float:
         """Time of a tool's last joint reading, on the images' clock [s]."""
         ...
+    def descriptionFile(self) -> str:
+        """Path of sequence.yaml."""
+        ...
     def kinematicsFile(self) -> str:
         """Path of kinematics.csv."""
         ...
@@ -2295,7 +2298,8 @@ def importDaVinciHandEye(filename: str, key: str) -> NDArray[np.float64]:
 def importEndoVisKeypoints(labels: str, csv: str, keypoints: _Sequence[str] = ..., tools: _Sequence[str] = ...) -> int:
     """Writes keypoints.csv from the labels of the EndoVis 2015 challenge (JSON: a list of images).
 
-    labels: the JSON; the frame is the number in an entry's `filename`, counted from that of the first entry; without numbers entry k is frame k
+    labels: the JSON; the frame is the number in an entry's `filename`, counted from that of the first entry; without numbers entry k is frame k. A
+    label without `id`, as some of the test set are, is of the only tool of its image without a label of that class; else it is left out
     csv: the file to write
     keypoints: `CLASS:NAME` each: label classes to write and the names of the tool's keypoints they are; empty: all, by their class
     tools: `ID:NAME` each, the same for tools
@@ -2616,7 +2620,7 @@ def readTrackerParams(filename: str, params: ToolTracker.Params, stages: ToolTra
 
     filename: YAML, XML or JSON, as writeTrackerParams() writes it
     params, stages: changed
-    Raises cv2.error naming file and key: no such field, or no number
+    Raises cv2.error naming file and key: no such field, no number, or one out of its range
     """
     ...
 
@@ -2635,6 +2639,6 @@ def setTrackerParam(name: str, value: str, params: ToolTracker.Params, stages: T
     name: of a field of ToolTracker.Params, as `minWindow`, or of a stage, as `matcher.minSimilarity`
     value: as text: a number; 0, 1, false or true for a flag
     params, stages: changed
-    Raises cv2.error naming what is there instead
+    Raises cv2.error naming the parameter, and what it may be or what there is instead
     """
     ...
