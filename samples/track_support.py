@@ -72,10 +72,10 @@ class FrameReader:
         return image
 
     def check_end(self, sequence):
-        if self.next < sequence.groundTruthEnd():
-            raise Failure('%s: ends after %d frames, expected %d as in the ground truth' % (self.filename, self.next, sequence.groundTruthEnd()))
         if self.next < self.count and '%' in self.filename:
             raise Failure('%s: ends after %d images, expected %d: is one missing?' % (self.filename, self.next, self.count))
+        if self.next < sequence.groundTruthEnd():
+            raise Failure('%s: ends after %d frames, expected %d as in the ground truth' % (self.filename, self.next, sequence.groundTruthEnd()))
         if self.next + 2 < self.count:      # some containers count what was cut off
             sys.stderr.write('note: %s: has %d frames, its header counts %d\n' % (self.filename, self.next, self.count))
 
