@@ -2250,7 +2250,8 @@ def importJoints(files: _Sequence[str], coordinates: _Sequence[str], joints: Opt
     rate, which must lie between 2 Hz and 5 kHz, if the name has no unit; dates of ISO 8601 are seconds since 1970. Joints are the columns of the
     coordinate's name, of the dVRK's (`yaw` or `outer_yaw` for q1, ... `jaw`), perhaps followed by `position` or a unit (`q1 [deg]`,
     `insertion_mm`); those whose names stand in the rows (`name0` of `position0`, or lists `name` and `position`); or, in a file with none of
-    these, `...position0`, `...position[1]`, ..., in the order of the coordinates, going on from file to file. A cell that is empty or `nan` has no reading: each joint is interpolated over those it has.
+    these, `...position0`, `...position[1]`, ..., in the order of the coordinates, going on from file to file. A cell that is empty or
+    `nan` has no reading: each joint is interpolated over those it has.
 
     files: the arm's, and if the jaw was recorded apart, the jaw's: interpolated to the times of the first
     coordinates: names, as ToolModel.coordinateNames()
