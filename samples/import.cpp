@@ -177,6 +177,7 @@ private:
         if (!capture.isOpened())
             common::fail(filename + ": can't be read, expected a video");
         common::asRecorded(capture);
+        common::noteTurned(capture, filename);
         const Size found(cvRound(capture.get(CAP_PROP_FRAME_WIDTH)), cvRound(capture.get(CAP_PROP_FRAME_HEIGHT)));
         if (found != size)
             common::fail(format("%s: images of %dx%d pixels, expected %dx%d as the camera was calibrated for", filename.c_str(), found.width,

@@ -267,7 +267,7 @@ int printFindings(const Options& options, const Run& run)
 {
     std::vector<String> findings, figures;
     checkSetup(run.sequence, findings, figures, options.stereo);
-    for (size_t i = 0; i < figures.size() && options.check; i++)
+    for (size_t i = 0; i < figures.size() && options.check && !options.quiet; i++)
         std::printf("%s\n", figures[i].c_str());
     for (size_t i = 0; i < findings.size(); i++)
         std::fprintf(stderr, "check: %s\n", findings[i].c_str());
@@ -277,9 +277,8 @@ int printFindings(const Options& options, const Run& run)
 //! @return the exit code: 2 if nothing was tracked; then what may be the cause is printed
 int verdict(const Options& options, const Run& run)
 {
-    for (size_t i = 0; i < run.tools.size(); i++)
-        if (run.tools[i].tracked > 0)
-            return 0;
+    if (!common::nothingTracked(run))
+        return 0;
     if (printFindings(options, run) == 0)
         std::fprintf(stderr, "check: nothing was tracked, though units and calibration are plausible: is it this instrument (model), this arm (name), "
                      "this time (time_offset), and does the hand-eye calibration put it within some centimetres?\n");
@@ -290,7 +289,8 @@ int verdict(const Options& options, const Run& run)
 int checkOnly(const Options& options, const Run& run)
 {
     const int findings = printFindings(options, run);
-    std::printf("%s: %d findings\n", run.sequence->name().c_str(), findings);
+    if (!options.quiet)
+        std::printf("%s: %d finding%s\n", run.sequence->name().c_str(), findings, findings == 1 ? "" : "s");
     return findings > 0;
 }
 
@@ -315,20 +315,21 @@ int runSequence(const Options& options, const String& folder)
     }
     catch (const Exception&)   // what was tracked until then is written and summed up all the same
     {
-        if (run.frames > 0)
-            common::printSummary(run, options.quiet);
+        if (run.frames > 0 && !options.quiet)
+            common::printSummary(run);
         throw;
     }
-    if (run.frames > 0)
-        common::printSummary(run, options.quiet);
+    if (run.frames > 0 && !options.quiet)
+        common::printSummary(run);
     if (run.interrupted)
     {
         std::fprintf(stderr, "interrupted: all is of the first %d frames\n", run.frames);
         return 130;   // as of a program that the signal ended
     }
-    if (options.keepsNothing() && !options.quiet)
+    const int code = verdict(options, run);
+    if (options.keepsNothing() && !options.quiet && code == 0)
         std::printf("nothing was kept: --poses=FILE.csv and --video=FILE.mp4 write the result\n");
-    return verdict(options, run);
+    return code;
 }
 
 //! Of one of several sequences: each writes files of its own.

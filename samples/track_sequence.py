@@ -7,7 +7,11 @@
 Exit code 2: nothing was tracked."""
 
 import argparse
+import copy
+import difflib
+import glob
 import os
+import re
 import signal
 import sys
 import time
@@ -24,7 +28,9 @@ METHODS = {'full': st.METHOD_FULL, 'paper': st.METHOD_PAPER, 'epnp': st.METHOD_E
 
 class ArgumentParser(argparse.ArgumentParser):
     def error(self, message):
-        raise Failure(message + ', see --help')
+        unknown = re.match(r'unrecognized arguments: (--[^ =]+)', message)
+        near = difflib.get_close_matches(unknown.group(1), self._option_string_actions, 1) if unknown else []
+        raise Failure("%s%s see --help" % (message, ", did you mean '%s'?" % near[0] if near else ','))
 
 
 def count(text):
@@ -47,8 +53,8 @@ def time_offset(text):
 
 def parse_arguments():
     parser = ArgumentParser(description=__doc__, allow_abbrev=False)
-    parser.add_argument('--sequence', help='folder of the sequence; without it a synthetic one is made in ./surgtrack_demo and tracked')
-    parser.add_argument('--poses', help='CSV file to write the poses to')
+    parser.add_argument('--sequence', help='folder of the sequence, or one that is searched for such; without it a synthetic one is made in ./surgtrack_demo')
+    parser.add_argument('--poses', help='CSV file to write the poses to. Of several sequences: FILE_SEQUENCE.csv, and so for --video')
     parser.add_argument('--video', help='MP4 file to draw the result into: kinematics in red, estimate in green, matched parts as dots')
     parser.add_argument('--method',
                         help='full (default): with joint offsets and outlines; paper: Ye et al. 2016; epnp: their baseline, EPnP on each frame alone')
@@ -63,7 +69,7 @@ def parse_arguments():
     parser.add_argument('--set', action='append', default=[], metavar='NAME=VALUE', help='a parameter, as matcher.minSimilarity=0.5; comes after --config')
     parser.add_argument('--check', action='store_true',
                         help='only look for mistakes of the setup: units, calibrations, clocks, arms, instruments; exit code 1 if there are any')
-    parser.add_argument('--quiet', action='store_true', help='print how often each tool was tracked, warnings and errors, and nothing else')
+    parser.add_argument('--quiet', action='store_true', help='print warnings and errors only')
     parser.add_argument('--version', action='version', version='track_sequence.py, cv::surgtrack on OpenCV ' + cv.__version__)
     args = parser.parse_args()
     args.params, args.stages = st.ToolTracker.Params(), st.ToolTracker.Stages()
@@ -236,19 +242,23 @@ class Run:
         for i, (tool, e) in enumerate(zip(self.tools, estimates)):
             st.drawEvidence(image, e, tool.info.name, i)
 
-    def print_summary(self, quiet):
+    def nothing_tracked(self):
+        return not any(tool.tracked for tool in self.tools)
+
+    def print_summary(self):
+        """Where nothing was tracked, no more than that: what may be the cause comes next."""
         size = self.sequence.leftCamera().imageSize()
         print('%s: %d frames of %dx%d' % (self.sequence.name(), self.frames, size[0], size[1]))
         for tool in self.tools:
             print('  %-8s tracked in %.1f %% of the frames' % (tool.info.name, 100. * tool.tracked / self.frames))
-        if quiet:
-            return
         for tool, offset in zip(self.tools, self.time_offsets):
             if offset != 0:
                 print('  %-8s time offset %.4f s; time_offset: %.4f of this tool in sequence.yaml keeps it'
                       % (tool.info.name, offset, tool.info.timeOffset + offset))
         if self.skipped > 0:
             print('  %d frames without joint readings' % self.skipped)
+        if self.nothing_tracked():
+            return
         print('time a frame [ms]   median      95 %')
         tracked = len(self.timings)
         timings = np.sort(np.array(self.timings or [[0.] * len(self.tracker.getTimings())]), axis=0)
@@ -320,9 +330,9 @@ def verdict(args, run):
     if run.interrupted:
         sys.stderr.write('interrupted: all is of the first %d frames\n' % run.frames)
         return 130
-    if not (args.poses or args.video or args.quiet):
-        print('nothing was kept: --poses FILE.csv and --video FILE.mp4 write the result')
-    if any(tool.tracked for tool in run.tools):
+    if not run.nothing_tracked():
+        if not (args.poses or args.video or args.quiet):
+            print('nothing was kept: --poses FILE.csv and --video FILE.mp4 write the result')
         return 0
     if not run.check(args.stereo, True):
         sys.stderr.write('check: nothing was tracked, though units and calibration are plausible: is it this instrument (model), this arm (name), '
@@ -330,26 +340,40 @@ def verdict(args, run):
     return 2
 
 
-def main():
+def run_sequence(args):
+    """The exit code."""
+    run = Run(args)
+    if args.check:
+        findings = run.check(args.stereo, args.quiet)
+        if not args.quiet:
+            print('%s: %d finding%s' % (run.sequence.name(), len(findings), '' if len(findings) == 1 else 's'))
+        return 1 if findings else 0
+    eyes = st.checkEyes(run.sequence) if args.stereo else ''
+    if eyes:
+        sys.stderr.write('warning: %s\n' % eyes)
+    if args.time_offset is None:
+        run.find_time_offsets(args.quiet)
     try:
-        args = parse_arguments()
-        run = Run(args)
-        if args.check:
-            findings = run.check(args.stereo, False)
-            print('%s: %d findings' % (run.sequence.name(), len(findings)))
-            return 1 if findings else 0
-        eyes = st.checkEyes(run.sequence) if args.stereo else ''
-        if eyes:
-            sys.stderr.write('warning: %s\n' % eyes)
-        if args.time_offset is None:
-            run.find_time_offsets(args.quiet)
-        try:
-            track(args, run)
-        finally:
-            if run.frames > 0:  # what was tracked until an error is written and summed up all the same
-                run.print_summary(args.quiet)
-                sys.stdout.flush()
-        return verdict(args, run)
+        track(args, run)
+    finally:
+        if run.frames > 0 and not args.quiet:   # what was tracked until an error is written and summed up all the same
+            run.print_summary()
+            sys.stdout.flush()
+    return verdict(args, run)
+
+
+def find_sequences(folder):
+    """A folder that is no sequence itself is searched for them, in the order of their names."""
+    if folder is None or not os.path.isdir(folder) or os.path.exists(os.path.join(folder, 'sequence.yaml')):
+        return [folder]
+    found = sorted(glob.glob(os.path.join(glob.escape(folder), '**', 'sequence.yaml'), recursive=True))
+    return [os.path.dirname(file) for file in found] or [folder]
+
+
+def reported(call, *arguments):
+    """The exit code of a call, whatever goes wrong in it told in one line."""
+    try:
+        return call(*arguments)
     except Failure as e:
         message = str(e)
     except cv.error as e:
@@ -362,5 +386,27 @@ def main():
     return 1
 
 
+def main():
+    args = parse_arguments()
+    folders = find_sequences(args.sequence)
+    if len(folders) == 1:
+        args.sequence = folders[0]
+        return run_sequence(args)
+    worst, labels = 0, {}
+    for folder in folders:      # one that fails is told of, and the next one's turn comes
+        label = os.path.basename(os.path.abspath(folder))
+        labels[label] = labels.get(label, 0) + 1
+        own = copy.copy(args)
+        own.sequence = folder
+        for name in ('poses', 'video'):     # each writes files of its own
+            stem, ending = os.path.splitext(getattr(args, name) or '')
+            setattr(own, name, stem and '%s_%s%s%s' % (stem, label, '-%d' % labels[label] if labels[label] > 1 else '', ending))
+        code = reported(run_sequence, own)
+        worst = max(worst, code)
+        if code == 130:
+            break
+    return worst
+
+
 if __name__ == '__main__':
-    sys.exit(main())
+    sys.exit(reported(main))

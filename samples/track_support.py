@@ -25,7 +25,14 @@ class FrameReader:
         self.capture = cv.VideoCapture(self.filename)
         self.capture.set(cv.CAP_PROP_ORIENTATION_AUTO, 0)       # frames as the camera was calibrated with, not turned
         if not self.capture.isOpened():
-            raise Failure('%s: can\'t be read as a video' % self.filename)
+            raise Failure('%s: can\'t be read as a video%s' % (self.filename, ', expected images numbered from 0 or 1 on' if '%' in self.filename else ''))
+        turned, header = round(self.capture.get(cv.CAP_PROP_ORIENTATION_META)), self.capture.get(cv.CAP_PROP_FPS)
+        if turned in (90, 180, 270):
+            sys.stderr.write('note: %s: is to be rotated by %d degrees by its header, its frames are taken as they were recorded\n' % (self.filename, turned))
+        images = '%' in self.filename   # have no rate of their own
+        if not sequence.hasFrameTimes() and not images and 0 < header < 1000 and abs(header - sequence.fps()) > 0.01 * sequence.fps():
+            sys.stderr.write('warning: %s: %g frames/s by its header, %g by fps: is fps right?\n' % (self.filename, header, sequence.fps()))
+        self.rate, self.shift = 0 if sequence.hasFrameTimes() else header, None     # of the time stamps, see check_stamp()
         self.count = int(self.capture.get(cv.CAP_PROP_FRAME_COUNT))
         self.next = 0
         while self.next < start and self.capture.grab():  # seeking is not exact in every container
@@ -33,21 +40,40 @@ class FrameReader:
         if self.next < start:
             raise Failure('%s: has %d frames, none at --start=%d' % (self.filename, self.next, start))
         self.thread = concurrent.futures.ThreadPoolExecutor(1)
-        self.decoded = self.thread.submit(self.capture.read)
+        self.decoded = self.thread.submit(self.decode)
+
+    def decode(self):
+        found, image = self.capture.read()
+        return found, image, 1e-3 * self.capture.get(cv.CAP_PROP_POS_MSEC)
+
+    def check_stamp(self, stamp):
+        """Says so, once, if the video's own time stamps [s] are not those of a constant rate."""
+        if self.rate <= 0 or stamp <= 0:    # not said
+            return
+        late = stamp - self.next / self.rate
+        self.shift = late if self.shift is None else self.shift     # a clip that was cut begins later
+        if abs(late - self.shift) >= 1.5 / self.rate:
+            sys.stderr.write('warning: %s: the time stamps are not k / fps: frame %d is %.3f s off; a variable frame rate, or frames that were left out? '
+                             'frames.csv with the columns frame,stamp says when each was taken\n' % (self.filename, self.next, late - self.shift))
+            self.rate = 0
 
     def read(self):
-        found, image = self.decoded.result()
+        found, image, stamp = self.decoded.result()
         if not found:
             return None
-        self.decoded = self.thread.submit(self.capture.read)
+        self.decoded = self.thread.submit(self.decode)
+        self.check_stamp(stamp)
         if (image.shape[1], image.shape[0]) != tuple(self.size):
             raise Failure('%s: frame %d has %dx%d pixels, expected %dx%d as in sequence.yaml%s'
                           % ((self.filename, self.next, image.shape[1], image.shape[0]) + tuple(self.size)
-                             + (' by image_width, image_height and layout' if self.layout else '',)))
+                             + (' by image_width, image_height and layout' if self.layout
+                                else ': is it turned by 90 degrees?' if image.shape[:2] == tuple(self.size) else '',)))
         self.next += 1
         return image
 
     def check_end(self, sequence):
+        if self.next < self.count and '%' in self.filename:
+            raise Failure('%s: ends after %d images, expected %d: is one missing?' % (self.filename, self.next, self.count))
         if self.next < sequence.groundTruthEnd():
             raise Failure('%s: ends after %d frames, expected %d as in the ground truth' % (self.filename, self.next, sequence.groundTruthEnd()))
         if self.next + 2 < self.count:      # some containers count what was cut off

@@ -69,6 +69,11 @@ TEST_F(SurgTrack_JointForms, tablesOfManyProgramsAreRead)
     expectReadings(table("time", "0.0%d", ";"), "semicolons");
     expectReadings(table("time", "0.0%d", "\t"), "tabs");
     expectReadings(replaced(table("time,note", "0.0%d,x"), "0.01,x", "0.01,\"a \"\"b\"\", c\""), "quotes");
+    expectReadings("# made by us\n#\n" + table("time", "0.0%d"), "comments");
+    expectReadings(table("Time", "2023-11-14 22:13:20.0%d"), "a date, as pandas writes it");
+    expectReadings(table("timestamp", "2023-11-14T23:13:20.0%d0+01:00"), "ISO 8601");
+    expectReadings(table("Time", "0.0%d sec"), "a duration of MATLAB");
+    expectReadings(table("time", "0.0%d") + "0.04,0.2,0.", "a recorder that was stopped");
     String comma = table("time", "0.0%d", ";");
     std::replace(comma.begin(), comma.end(), '.', ',');
     expectReadings(comma, "a decimal comma");
@@ -76,6 +81,21 @@ TEST_F(SurgTrack_JointForms, tablesOfManyProgramsAreRead)
     for (size_t at = ends.find('\n') + 1; (at = ends.find('\n', at)) != String::npos; at += 2)
         ends.insert(at, ";");
     expectReadings(ends, "a separator at the end");
+}
+
+TEST_F(SurgTrack_JointForms, datesAreSecondsSince1970)
+{
+    read(list(put("joints.csv", table("time", "2024-03-01T00:00:00.0%dZ"))));
+    EXPECT_EQ(1709251200, times[0]);   // of date -u
+}
+
+TEST_F(SurgTrack_JointForms, columnsMayNameTheirUnits)
+{
+    const String text = "time [s],q1 [deg],q2 (rad),q3_mm,q4_deg,q5 [rad],q6 [rad],jaw [deg]\n0,90,-0.2,130,180,0.2,0.1,45\n0.01,90,-0.2,131,180,0.2,0.1,45\n";
+    read(list(put("joints.csv", text)));
+    const double expected[] = { CV_PI / 2, -0.2, 0.13, CV_PI, 0.2, 0.1, CV_PI / 4 };
+    for (int i = 0; i < 7; i++)
+        EXPECT_NEAR(expected[i], joints(0, i), 1e-12);
 }
 
 TEST_F(SurgTrack_JointForms, namesInTheRowsCountMoreThanPlaces)
@@ -136,6 +156,12 @@ TEST_F(SurgTrack_JointForms, stampsThatStandStillAreNoTime)
     expectError(coarse + "\n", "18 of 20 rows repeat the time");
 }
 
+TEST_F(SurgTrack_JointForms, otherEncodingsAreNamed)
+{
+    expectError(String("\xFF\xFEt\0i\0\n\0", 8), "UTF-16");
+    EXPECT_ERROR(importCameraInfo(list(put("info.yaml", String("\xFE\xFF\0i\0m", 6)))), "UTF-16");
+}
+
 TEST_F(SurgTrack_JointForms, aFileWithoutNamesSaysSo)
 {
     expectError("1700000000,0,,yaw,pitch,0.1,0.2\n1700000000,10000000,,yaw,pitch,0.1,0.2\n", "expected a header");
@@ -193,6 +219,23 @@ TEST_F(SurgTrack_CameraForms, infosOfEveryReleaseAreRead)
     expectInfo(replaced(INFO, "[-0.3, 0.1, 0.002, -0.001, 0.05]", "[-0.3 0.1 0.002 -0.001 0.05]"), "no commas");
     expectInfo("header:\n  seq: 7\nheight: 480\nwidth: 640\ndistortion_model: plumb_bob\nD: [-0.3, 0.1, 0.002, -0.001, 0.05]\n"
                "K: [700.0, 0.0, 310.0, 0.0, 710.0, 250.0, 0.0, 0.0, 1.0]\nbinning_x: 0\nroi:\n  width: 0\n---\nheight: 1\n", "messages");
+}
+
+TEST_F(SurgTrack_CameraForms, filesOfPythonsAreRead)
+{
+    const String K = "[[700.0, 0.0, 310.0], [0.0, 710.0, 250.0], [0.0, 0.0, 1.0]]", D = "[-0.3, 0.1, 0.002, -0.001, 0.05]";
+    expectInfo("{\"width\":640,\"height\":480,\"distortion_model\":\"plumb_bob\",\"D\":" + D + ",\"K\":[700,0,310,0,710,250,0,0,1],\"binning_x\":0}", "JSON");
+    expectInfo("width: 640\nheight: 480\ndistortion_model: ''\nd: []\nk: [700, 0, 310, 0, 710, 250, 0, 0, 1]\n", "no distortion", 0);
+    const String texts[] = { "{ \"camera_matrix\": " + K + ", \"dist_coeff\": [" + D + "], \"image_width\": 640, \"image_height\": 480 }",
+                             "image_height: 480\nimage_width: 640\nmtx:\n- - 700.0\n  - 0.0\n  - 310.0\n- - 0.0\n  - 710.0\n  - 250.0\n- - 0.0\n  - 0.0\n  - 1.0\ndist:\n- - -0.3\n"
+                             "  - 0.1\n  - 0.002\n  - -0.001\n  - 0.05\n" };
+    for (int i = 0; i < 2; i++)
+    {
+        const CameraModel camera = importOpenCVCameras(list(put(i ? "camera.yaml" : "camera.json", texts[i]))).left;
+        EXPECT_EQ(710, camera.fy) << texts[i];
+        EXPECT_EQ(-0.001, camera.k[3]) << texts[i];
+        EXPECT_EQ(480, camera.imageSize().height) << texts[i];
+    }
 }
 
 TEST_F(SurgTrack_CameraForms, aRegionOfInterestIsCutOut)

@@ -377,6 +377,16 @@ TEST_F(SurgTrack_ImportKeypoints, labelsOfEndoVisBecomeKeypoints)
     EXPECT_FALSE(cv::utils::fs::exists(path("none.csv")));
 }
 
+// As `EndPoint` of the fifth test sequence is.
+TEST_F(SurgTrack_ImportKeypoints, labelsWithoutToolAreOfTheOneThatLacksThem)
+{
+    const String labels = put("labels.json",
+        "[ { \"annotations\": [ { \"class\": \"HeadPoint\", \"id\": \"tool1\", \"x\": 1, \"y\": 2 }, { \"class\": \"EndPoint\", \"x\": 3, \"y\": 4 },"
+        " { \"class\": \"EndPoint\", \"id\": \"tool2\", \"x\": 5, \"y\": 6 }, { \"class\": \"ShaftPoint\", \"x\": 7, \"y\": 8 } ] } ]");
+    EXPECT_EQ(3, orSkip([&]() { return importEndoVisKeypoints(labels, path("all.csv")); }));
+    EXPECT_EQ("frame,tool,keypoint,u,v,visible\n0,tool1,HeadPoint,1,2,1\n0,tool1,EndPoint,3,4,1\n0,tool2,EndPoint,5,6,1\n", get("all.csv"));
+}
+
 TEST_F(SurgTrack_ImportKeypoints, allLabelsOfARecordingAreRead)
 {
     const String labels = recorded("formats/endovis15/test1_labels.json");

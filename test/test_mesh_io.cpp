@@ -314,6 +314,14 @@ TEST(SurgTrack_Mesh, flatPartsCutFinelyKeepTheirCorners)
     EXPECT_NEAR(n * n, area, 1e-3 * n * n) << "no hole, nothing folded, no corner lost";
 }
 
+TEST(SurgTrack_Mesh, stlMayBeInCapitals)
+{
+    std::string text = stlCube(false);
+    std::transform(text.begin(), text.end(), text.begin(), [](char c) { return (char)std::toupper((uchar)c); });
+    const MeshFile file(text, ".stl");
+    expectCube(loadMesh(file.name), "capitals");
+}
+
 TEST(SurgTrack_Mesh, stlMayBeginAndEndInOtherWays)
 {
     const MeshFile spaced("  \n" + stlCube(false), ".stl"), padded(stlCube(true) + "twelve bytes", ".stl");
@@ -397,6 +405,8 @@ TEST(SurgTrack_Mesh, brokenContentIsReportedByReason)
         { replaced(objCube(), "f 1/1", "f 1/1///"), ".obj", "`1/1///`" },
         { "# nothing\n", ".obj", "at least one triangle" },
         { "", ".ply", "ply" },
+        { "ISO-10303-21;\nHEADER;\n", ".step", "export these as STL" },
+        { "ISO-10303-21;\nHEADER;\n" + std::string(100, ' '), ".stl", "export these as STL" },
         { asciiPLYCube(), ".vtk", ".ply, .stl, .obj" } };
     for (size_t i = 0; i < sizeof(files) / sizeof(files[0]); ++i)
     {

@@ -351,6 +351,14 @@ TEST_F(SurgTrack_Sequence, errorsNameFileOfAMissingOrBrokenDescription)
     expectError("sequence.yaml", "no such file");
 }
 
+TEST_F(SurgTrack_Sequence, errorsNameAKeyThatIsMisspelt)
+{
+    put("sequence.yaml", replaced(DESCRIPTION, "camera_T_base", "camera_T_bass"));
+    expectError("tools[0].camera_T_bass: unknown key", "did you mean 'camera_T_base'?");
+    put("sequence.yaml", replaced(DESCRIPTION, "fps", "fpz"));
+    expectError("fpz", "did you mean 'fps'?");
+}
+
 TEST_F(SurgTrack_Sequence, errorsNameFileAndLineOfTheKinematics)
 {
     expectKinematicsError("0.01,PSM1,2,20", "0.01,PSM1,2", "line 4", "expected 4");

@@ -105,6 +105,18 @@ TEST_F(SurgTrack_SetupCheck, namesUnitsOfReadings)
     expectFinding(list("kinematics.csv", "metres, not millimetres"));
 }
 
+// Angles that are small enough to be some turns as radians: the calibration, or the instrument, would be blamed.
+TEST_F(SurgTrack_SetupCheck, namesTheFewJointsThatAreInDegrees)
+{
+    for (int first = 0; first < 5; first += 4)   // q1 and q2, of the arm; q5 and q6, of the wrist
+    {
+        std::vector<double> degrees(7, 1.);
+        degrees[first] = degrees[first + 1] = 180 / CV_PI;
+        scaleReadings(degrees);
+        expectFinding(list("kinematics.csv: tool 'PSM1'", "radians, not degrees"));
+    }
+}
+
 TEST_F(SurgTrack_SetupCheck, namesTheInverseOfACalibration)
 {
     writeHandEye(folder, "PSM2", sound->tool(1).nominal_T_base.inv());
@@ -148,6 +160,21 @@ TEST_F(SurgTrack_SetupCheck, namesEyesThatAreExchanged)
     expectFinding(list("left.video, right.video", "are the eyes exchanged"), true);
     EXPECT_FALSE(checkEyes(Sequence::load(folder)).empty());
     EXPECT_TRUE(checkEyes(sound).empty());
+}
+
+TEST_F(SurgTrack_SetupCheck, namesImagesThatAreUpsideDown)
+{
+    const String turned = path("turned.avi");
+    cv::VideoCapture video(sound->leftVideo());
+    cv::VideoWriter writer(turned, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25, sound->frameSize());
+    for (Mat image; video.read(image); )
+    {
+        cv::rotate(image, image, cv::ROTATE_180);
+        writer.write(image);
+    }
+    writer.release();
+    put("sequence.yaml", replaced(get("sequence.yaml"), sound->leftVideo(), turned));
+    expectFinding(list("left.video", "turned by 180 degrees"));
 }
 
 // The built-in tool with a wrist and jaws half as long again.
@@ -206,7 +233,13 @@ TEST_F(SurgTrack_SetupCheck, namesReadingsBeyondTheLimitsOfTheTool)
     ToolModel::create(limited)->save(path("limited.yaml"));
     EXPECT_EQ(3, ToolModel::load(path("limited.yaml"))->jointLimits().at<double>(4, 1));
     writeSequenceTool(folder, "PSM1", path("limited.yaml"), sound->tool(0).nominal_T_base);
-    expectFinding(list("tool 'PSM1': coordinate q5", "its limits in the tool file are 2 and 3"));
+    expectFinding(list("tool 'PSM1': coordinate q5", "its limits in the tool file are 2 and 3: another column?"));
+    limited.limits[4] = Vec2d(-1.5, 1.5);
+    ToolModel::create(limited)->save(path("limited.yaml"));
+    std::vector<double> degrees(7, 1.);
+    degrees[4] = 10;   // some of the readings are beyond the limits, none more than two turns
+    scaleReadings(degrees);
+    expectFinding(list("tool 'PSM1': coordinate q5", "expected radians, not degrees"));
 }
 
 TEST(SurgTrack_SetupUnits, areToldByWhatNoInstrumentCanDo)

@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "test_import.hpp"
+#include "opencv2/surgtrack/names.hpp"
 
 namespace opencv_test { namespace {
 
@@ -64,10 +65,37 @@ TEST_F(SurgTrack_TrackerParamsFile, setsOneByItsName)
     EXPECT_EQ(0.5, params.coastingTime);
     EXPECT_FALSE(params.contours);
     EXPECT_EQ(90, stages.templates.maxFeatures);
-    EXPECT_ERROR(setTrackerParam("verifier.maxFeatures", "1", params, stages), "there is no such one, expected one of method, ");
+    EXPECT_ERROR(setTrackerParam("verifier.maxFeatures", "1", params, stages), "there is no such one, did you mean 'templates.maxFeatures'?; there are method, ");
     EXPECT_ERROR(setTrackerParam("seed", "1.5", params, stages), "parameter 'seed': expected a whole number, found '1.5'");
     EXPECT_ERROR(setTrackerParam("contours", "2", params, stages), "expected true or false");
-    EXPECT_ERROR(setTrackerParam("minWindow", "wide", params, stages), "expected a number, found 'wide'");
+    EXPECT_ERROR(setTrackerParam("minWindow", "wide", params, stages), "expected a number above 0 to 10000, found 'wide'");
+}
+
+TEST_F(SurgTrack_TrackerParamsFile, refusesWhatIsOutOfRange)
+{
+    EXPECT_ERROR(setTrackerParam("matcher.minSimilarity", "7", params, stages), "'matcher.minSimilarity': expected a number from 0 to 1, found '7'");
+    EXPECT_ERROR(setTrackerParam("confirmFrames", "-1", params, stages), "'confirmFrames': expected a whole number from 0 to ");
+    EXPECT_ERROR(setTrackerParam("method", "3", params, stages), "'method': expected a whole number from 0 to 2");
+    EXPECT_ERROR(setTrackerParam("filter.pointNoise", "0", params, stages), "'filter.pointNoise': expected a number above 0");
+    EXPECT_ERROR(readTrackerParams(put("a.yaml", "%YAML:1.0\nmatcher: { candidates: 0 }\n"), params, stages),
+                 "key matcher.candidates: expected a whole number from 1 to ");
+    EXPECT_ERROR(readTrackerParams(put("b.yaml", "%YAML:1.0\ncoastingTime: -0.5\n"), params, stages), "key coastingTime: expected a number from 0 on, found -0.5");
+    EXPECT_ERROR(readTrackerParams(put("c.yaml", "%YAML:1.0\ncoastngTime: 0.5\n"), params, stages), "did you mean 'coastingTime'?");
+    EXPECT_EQ(ToolTracker::Params().confirmFrames, params.confirmFrames);
+}
+
+TEST(SurgTrack_Names, aMisspeltOneIsToldAndNoOther)
+{
+    std::vector<String> names;
+    names.push_back("time_offset");
+    names.push_back("camera_T_base");
+    names.push_back("matcher.spread");
+    EXPECT_EQ("time_offset", closestName("time_ofset", names));
+    EXPECT_EQ("camera_T_base", closestName("camera_t_bass", names));
+    EXPECT_EQ("matcher.spread", closestName("spread", names));
+    EXPECT_EQ("", closestName("surgeon", names));
+    EXPECT_EQ("", closestName("", names));
+    EXPECT_EQ(", did you mean 'time_offset'?", didYouMean("timeoffset", names));
 }
 
 }} // namespace

@@ -13,6 +13,11 @@ exits() {
   fi
 }
 
+# lacks WORD: the command before has not printed it.
+lacks() { ! grep -q -F -e "$1" "$LOGS/exits"; }
+
+prints_nothing() { limited "$@" >"$LOGS/exits" 2>&1 && [[ ! -s "$LOGS/exits" ]]; }
+
 # interrupted DIR COMMAND...: Ctrl-C after some frames leaves poses, video and a summary of all frames until then.
 interrupted() {
   local work="$1" code=0 pid i rows
@@ -52,16 +57,21 @@ PYTHON
     sample "$program: --version" exits 0 "cv::surgtrack on OpenCV" "${track[@]}" --version
     sample "$program: --check, a sound sequence" exits 0 ": 0 findings" "${track[@]}" --check --sequence="$work/all/short"
     sample "$program: --check, an inverse calibration" exits 1 "is it base_T_camera?" "${track[@]}" --check --sequence="$work/inverse"
-    sample "$program: nothing was tracked, and why" exits 2 "is it base_T_camera?" "${track[@]}" --sequence="$work/inverse" --frames=5
+    sample "$program: nothing was tracked, and why" exits 2 "$work/inverse/sequence.yaml: camera_T_base" "${track[@]}" --sequence="$work/inverse" --frames=5
+    sample "$program: no times before that" lacks median
     sample "$program: nothing was kept" exits 0 "nothing was kept" "${track[@]}" --sequence="$work/all/short" --frames=3
     sample "$program: parameters" exits 0 "tracked in 100" "${track[@]}" --sequence="$work/all/short" --frames=3 --config="$work/params.yaml" \
       --set matcher.candidates=6 --set=minWindow=25
     sample "$program: refused: no such parameter" exits 1 "'matcher.none'" "${track[@]}" --sequence="$work/all/short" --set matcher.none=1
-    sample "$program: quiet" exits 0 "tracked in" "${track[@]}" --sequence="$work/all/short" --frames=3 --quiet
-    sample "$program: nothing but that" test "$(wc -l <"$LOGS/exits")" -eq 2
+    sample "$program: refused: one out of its range" exits 1 "'matcher.minSimilarity': expected a number from 0 to 1, found '7'" "${track[@]}" \
+      --sequence="$work/all/short" --set matcher.minSimilarity=7
+    sample "$program: refused: one misspelt" exits 1 "did you mean 'matcher.minSimilarity'?" "${track[@]}" --set minSimilarty=0.6
+    sample "$program: refused: an option misspelt" exits 1 "did you mean '--quiet'?" "${track[@]}" --quite
+    sample "$program: quiet" prints_nothing "${track[@]}" --sequence="$work/all/short" --frames=3 --quiet
     sample "$program: Ctrl-C" interrupted "$work" "${track[@]}" --sequence="$work/all/long"
+    rm -f "$work"/poses_*
+    sample "$program: a folder of sequences" limited "${track[@]}" --sequence="$work/all" --frames=3 --poses="$work/poses.csv" --quiet
+    sample "$program: the poses of one" poses_complete "$work/poses_long.csv" 3
+    sample "$program: those of the other" poses_complete "$work/poses_short.csv" 3
   done
-  sample "a folder of sequences" limited "${cpp[@]}" --sequence="$work/all" --frames=3 --poses="$work/poses.csv" --quiet
-  sample "the poses of one" poses_complete "$work/poses_long.csv" 3
-  sample "those of the other" poses_complete "$work/poses_short.csv" 3
 }

@@ -72,6 +72,10 @@ run_rig() {
   sed -i 's/side_by_side/top_bottom/' "$work/wide/sequence.yaml"
   sample "refused: frames of another layout" refuses "expected 720x1152" "$track" --sequence="$work/wide" --quiet
   sample "refused: the same in Python" refuses "expected 720x1152" "${python[@]}" --sequence="$work/wide" --quiet
+  cp -r "$work/together" "$work/gap"
+  rm "$work/gap/frame005.png"
+  sample "refused: an image that is missing" refuses "ends after 5 images" "$track" --sequence="$work/gap" --quiet
+  sample "refused: the same in Python" refuses "ends after 5 images" "${python[@]}" --sequence="$work/gap" --quiet
 
   sample "interlaced frames" other_rig "$work/stereo" "$work/interlaced" interlaced
   sample "interlaced frames, told" other_rig "$work/stereo" "$work/fields" fields

@@ -20,7 +20,7 @@ MAY = {   # beside itself; all may name precomp.hpp, which names none
     'precomp.hpp': '',
 }
 HEADERS = {   # of include/opencv2/surgtrack: whose they are
-    'base': 'fields',
+    'base': 'fields names',
     'model': 'camera tool_model tool_view tracking_state part_match tool_estimate',
     'render': 'mesh_renderer',
     'detect': 'part_templates qgo qgo_matcher geometric_context part_finder contour',

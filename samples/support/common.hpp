@@ -26,6 +26,7 @@
 #include "opencv2/core.hpp"
 #include "opencv2/core/utility.hpp"
 #include "opencv2/core/utils/logger.hpp"
+#include "opencv2/surgtrack/names.hpp"
 
 namespace common {
 
@@ -105,7 +106,12 @@ inline void checkCommandLine(int argc, char** argv, const std::vector<std::strin
         const std::string name = argument.compare(0, 2, "--") == 0 ? argument.substr(2, equals == std::string::npos ? equals : equals - 2) : "";
         const bool isFlag = std::find(flags.begin(), flags.end(), name) != flags.end();
         if (!isFlag && std::find(options.begin(), options.end(), name) == options.end())
-            fail("unknown argument '" + argument + "', see --help");
+        {
+            std::vector<cv::String> known;
+            for (size_t k = 0; k < options.size() + flags.size(); k++)
+                known.push_back("--" + (k < options.size() ? options[k] : flags[k - options.size()]));
+            fail("unknown argument '" + argument + "'" + cv::surgtrack::didYouMean(argument.substr(0, equals), known) + " see --help");
+        }
         if (isFlag && equals != std::string::npos)
             fail("argument '" + argument + "': --" + name + " takes no value");
         if (!isFlag && (equals == std::string::npos || equals + 1 == argument.size()))

@@ -26,8 +26,9 @@ public:
           decoded_(0), taken_(0), ended_(false), stop_(false)
     {
         if (!capture_.open(filename_))
-            fail(filename_ + ": can't be read as a video");
+            fail(filename_ + ": can't be read as a video" + (isPattern() ? ", expected images numbered from 0 or 1 on" : ""));
         asRecorded(capture_);
+        noteTurned(capture_, filename_);
         if (!sequence.hasFrameTimes())
         {
             warnOfRate(capture_, filename_, sequence.fps());
@@ -67,6 +68,8 @@ public:
     //! Throws if the video should have gone on.
     void checkEnd(const cv::surgtrack::Sequence& sequence) const
     {
+        if (next_ < count_ && isPattern())
+            fail(cv::format("%s: ends after %d images, expected %d: is one missing?", filename_.c_str(), next_, count_));
         if (next_ + 2 < count_ && isCut(filename_))   // the count of some containers is rounded
             fail(cv::format("%s: ends after %d frames, expected %d as its header says", filename_.c_str(), next_, count_));
         if (next_ + 2 < count_)
@@ -84,6 +87,9 @@ public:
     int count() const { return count_; }
 
 private:
+    //! Of images, one a file.
+    bool isPattern() const { return filename_.find('%') != cv::String::npos; }
+
     enum { LOOK_AHEAD = 2 };
 
     bool readFrame(cv::Mat& image)
@@ -103,7 +109,8 @@ private:
         changed_.notify_all();
         if (image.size() != size_)
             fail(cv::format("%s: frame %d has %dx%d pixels, expected %dx%d as in sequence.yaml%s", filename_.c_str(), next_, image.cols, image.rows,
-                            size_.width, size_.height, sequence_.layout() ? " by image_width, image_height and layout" : ""));
+                            size_.width, size_.height, sequence_.layout() ? " by image_width, image_height and layout"
+                            : image.cols == size_.height && image.rows == size_.width ? ": is it turned by 90 degrees?" : ""));
         next_++;
         return true;
     }

@@ -48,7 +48,7 @@ inline const char* trackKeys()
     "{ set      |       | NAME=VALUE[,NAME=VALUE...]: parameters, as matcher.minSimilarity=0.5; comes after --config }"
     "{ write-config |   | file to write all parameters to; nothing is tracked }"
     "{ check    |       | only look for mistakes of the setup: units, calibrations, clocks, arms, instruments; exit code 1 if there are any }"
-    "{ quiet    |       | print how often each tool was tracked, warnings and errors, and nothing else }";
+    "{ quiet    |       | print warnings and errors only }";
 }
 
 inline Program trackProgram()

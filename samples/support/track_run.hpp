@@ -65,21 +65,29 @@ inline std::vector<DebugTool> debugTools(const TrackRun& run, const std::vector<
     return result;
 }
 
-//! @param quiet only how often each tool was tracked
-inline void printSummary(const TrackRun& run, bool quiet)
+inline bool nothingTracked(const TrackRun& run)
+{
+    int tracked = 0;
+    for (size_t i = 0; i < run.tools.size(); i++)
+        tracked += run.tools[i].tracked;
+    return tracked == 0;
+}
+
+//! Where nothing was tracked, no more than that: what may be the cause comes next.
+inline void printSummary(const TrackRun& run)
 {
     const Size size = run.sequence->leftCamera().imageSize();
     std::printf("%s: %d frames of %dx%d\n", run.sequence->name().c_str(), run.frames, size.width, size.height);
     for (size_t i = 0; i < run.tools.size(); i++)
         std::printf("  %-8s tracked in %.1f %% of the frames\n", run.tools[i].info.name.c_str(), 100. * run.tools[i].tracked / run.frames);
-    for (size_t i = 0; i < run.tools.size() && !quiet; i++)
+    for (size_t i = 0; i < run.tools.size(); i++)
         if (run.timeOffsets[i] != 0)
             std::printf("  %-8s time offset %.4f s; time_offset: %.4f of this tool in sequence.yaml keeps it\n", run.tools[i].info.name.c_str(),
                         run.timeOffsets[i], run.tools[i].info.timeOffset + run.timeOffsets[i]);
-    if (run.skipped > 0 && !quiet)
+    if (run.skipped > 0)
         std::printf("  %d frames without joint readings\n", run.skipped);
     std::fflush(stdout);
-    if (quiet)
+    if (nothingTracked(run))
         return;
     std::printf("time a frame [ms]   median      95 %%\n");
     const std::vector<StageTime> times = run.tracker->getTimings();

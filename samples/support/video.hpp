@@ -23,6 +23,19 @@ inline void asRecorded(cv::VideoCapture& capture)
 #endif
 }
 
+//! Says so if the header of a video asks for its frames to be turned: players do, and its calibration may be of those.
+inline void noteTurned(const cv::VideoCapture& capture, const cv::String& filename)
+{
+#if CV_VERSION_MAJOR > 4 || CV_VERSION_MINOR >= 5
+    const int turned = cvRound(capture.get(cv::CAP_PROP_ORIENTATION_META));
+    if (turned == 90 || turned == 180 || turned == 270)
+        std::fprintf(stderr, "note: %s: is to be rotated by %d degrees by its header, its frames are taken as they were recorded\n", filename.c_str(), turned);
+#else
+    (void)capture;
+    (void)filename;
+#endif
+}
+
 //! Says so if the header of a video has another rate. @param fps 0: none is expected
 inline void warnOfRate(cv::VideoCapture& capture, const cv::String& filename, double fps)
 {

@@ -18,17 +18,12 @@ static bool isNumber(const char* text)
     return end != text && !*end;
 }
 
-CsvReader::CsvReader(const String& filename)
-    : filename_(filename), file_(filename.c_str(), std::ios::binary), lineNumber_(0), separator_(',')
+CsvReader::CsvReader(const String& filename, bool recorded)
+    : filename_(filename), file_(filename.c_str(), std::ios::binary), lineNumber_(0), separator_(','), recorded_(recorded)
 {
     if (!file_)
         CV_Error(Error::StsObjectNotFound, format("%s: can't be read: %s", filename.c_str(), std::strerror(errno)));
-    if (!readLine())
-        fail("the file is empty, expected a line with the names of the columns");
-    if (line_.compare(0, 3, "\xEF\xBB\xBF") == 0)   // byte order mark, as spreadsheets write it
-        line_.erase(0, 3);
-    if (line_.compare(0, 2, "# ") == 0)   // NumPy's savetxt()
-        line_.erase(0, 2);
+    readHeader();
     if (line_.find(',') == std::string::npos)
         separator_ = line_.find(';') != std::string::npos ? ';' : line_.find('\t') != std::string::npos ? '\t' : ',';
     split();
@@ -41,6 +36,37 @@ CsvReader::CsvReader(const String& filename)
             fail(format("column '%s' is there twice", name.c_str()));
         header_.push_back(name);
     }
+}
+
+//! Into line_. Comments come before it, or it is one, as of NumPy's savetxt(): then values follow.
+void CsvReader::readHeader()
+{
+    std::string comment;
+    int comments = 0;
+    std::streampos behind = 0;
+    for (;;)
+    {
+        if (!readLine())
+            fail("the file is empty, expected a line with the names of the columns");
+        if (line_.compare(0, 3, "\xEF\xBB\xBF") == 0)   // byte order mark, as spreadsheets write it
+            line_.erase(0, 3);
+        if (lineNumber_ == 1 && (line_.compare(0, 2, "\xFF\xFE") == 0 || line_.compare(0, 2, "\xFE\xFF") == 0))
+            fail("is UTF-16, expected UTF-8 or ASCII");
+        if (line_.empty() || line_[0] != '#')
+            break;
+        comment = line_;
+        comments = lineNumber_;
+        behind = file_.tellg();
+        if (behind < 0 || file_.peek() == EOF)
+            break;
+    }
+    const std::string first = line_.substr(0, line_.find_first_of(",;\t "));
+    if (comments == 0 || (line_[0] != '#' && !isNumber(first.c_str())))
+        return;
+    file_.clear();
+    file_.seekg(behind);
+    lineNumber_ = comments;
+    line_ = comment.substr(comment.compare(0, 2, "# ") == 0 ? 2 : 1);
 }
 
 int CsvReader::find(const String& name) const
@@ -84,6 +110,8 @@ bool CsvReader::readLine()
         return false;
     }
     lineNumber_++;
+    if (file_.eof() && recorded_ && lineNumber_ > 2)
+        return false;
     if (file_.eof())
         fail("the line is cut in the middle, expected an end of line");
     if (!line_.empty() && line_[line_.size() - 1] == '\r')
@@ -137,7 +165,7 @@ void CsvReader::split()
 
 bool CsvReader::isEmpty(int column) const
 {
-    const char* const nothing[] = { "", "nan", "NaN", "NAN", "NA", "null", "None" };
+    const char* const nothing[] = { "", "nan", "NaN", "NAN", "NA", "N/A", "null", "NULL", "None", "<NA>" };
     for (size_t i = 0; i < sizeof(nothing) / sizeof(nothing[0]); i++)
         if (std::strcmp(cells_[column], nothing[i]) == 0)
             return true;

@@ -16,8 +16,9 @@ tabs if the first line has no comma; what stands in quotes is one cell. Whatever
 class CsvReader
 {
 public:
-    //! @throws cv::Exception if the file can't be read or has no header
-    explicit CsvReader(const String& filename);
+    /** @param recorded by another program: a last line without an end of line is passed over, as of a recorder that was stopped; else it is an error
+    @throws cv::Exception if the file can't be read or has no header */
+    explicit CsvReader(const String& filename, bool recorded = false);
 
     const std::vector<String>& header() const { return header_; }
     //! Index of a column, or -1.
@@ -40,6 +41,7 @@ public:
 
 private:
     bool readLine();
+    void readHeader();
     void split();
     char* splitQuoted(char* cell);
 
@@ -48,6 +50,7 @@ private:
     std::string line_;
     int lineNumber_;
     char separator_;
+    bool recorded_;
     std::vector<String> header_;
     std::vector<char*> cells_;   // into line_
 };

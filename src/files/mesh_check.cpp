@@ -92,7 +92,7 @@ void MeshCheck::checkSTL()
     if (text)
     {
         data_.erase(0, start);
-        data_.replace(0, 5, "solid");
+        data_ = lowerCase(data_);   // Assimp knows no capitals
         return checkTextSTL();
     }
     if (data_.size() < 84)

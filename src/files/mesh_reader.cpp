@@ -56,6 +56,8 @@ Mesh readMeshFile(const String& filename)
     std::string data = contentOf(filename);
     const size_t dot = filename.rfind('.');
     const String extension = dot == String::npos ? String() : lowerCase(filename.substr(dot + 1));
+    if (data.compare(0, 10, "ISO-10303-") == 0 || extension == "step" || extension == "stp" || extension == "iges" || extension == "igs")
+        CV_Error(Error::StsParseError, filename + ": is of surfaces (STEP, IGES), expected triangles: CAD programs export these as STL");
     if (extension == "ply")
     {
         const Mesh mesh = PlyReader(filename, data).read();

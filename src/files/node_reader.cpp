@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "opencv2/surgtrack/names.hpp"
 #include "base/geometry.hpp"
 #include "files/node_reader.hpp"
 
@@ -21,12 +22,28 @@ void NodeReader::fail(const String& what, int code) const
 
 void NodeReader::expected(const String& what) const
 {
-    fail((isThere() ? "expected " : "missing, expected ") + what);
+    fail(isThere() ? "expected " + what : "missing, expected " + what + (alike_.empty() ? alike_ : ", there is '" + alike_ + "'"));
 }
 
 NodeReader NodeReader::operator[](const String& key) const
 {
-    return NodeReader(filename_, node_.isMap() ? node_[key] : FileNode(), path_.empty() ? key : path_ + "." + key);
+    const String path = path_.empty() ? key : path_ + "." + key;
+    if (!node_.isMap())
+        return NodeReader(filename_, FileNode(), path);
+    const FileNode node = node_[key];
+    return NodeReader(filename_, node, path, node.empty() ? closestName(key, node_.keys()) : String());
+}
+
+void NodeReader::checkSpelling(const std::vector<String>& keys) const
+{
+    const std::vector<String> found = node_.isMap() ? node_.keys() : std::vector<String>();
+    for (size_t i = 0; i < found.size(); i++)
+    {
+        const bool known = std::find(keys.begin(), keys.end(), found[i]) != keys.end();
+        const String hint = known ? String() : didYouMean(found[i], keys);
+        if (!hint.empty())
+            (*this)[found[i]].fail("unknown key" + hint);
+    }
 }
 
 const NodeReader& NodeReader::map(const std::set<String>& keys) const
@@ -42,7 +59,7 @@ const NodeReader& NodeReader::map(const std::set<String>& keys) const
             String known;
             for (std::set<String>::const_iterator k = keys.begin(); k != keys.end(); ++k)
                 known += (known.empty() ? "" : ", ") + *k;
-            (*this)[key].fail("unknown key, expected one of: " + known);
+            (*this)[key].fail("unknown key" + didYouMean(key, std::vector<String>(keys.begin(), keys.end())) + " expected one of: " + known);
         }
         if (!seen.insert(key).second)
             (*this)[key].fail("expected once, found twice");

@@ -18,7 +18,10 @@ that is not there for anything is such an error. */
 class NodeReader
 {
 public:
-    NodeReader(const String& filename, const FileNode& node, const String& path = String()) : filename_(filename), path_(path), node_(node) {}
+    NodeReader(const String& filename, const FileNode& node, const String& path = String(), const String& alike = String())
+        : filename_(filename), path_(path), alike_(alike), node_(node)
+    {
+    }
 
     CV_NORETURN void fail(const String& what, int code = Error::StsParseError) const;
     CV_NORETURN void expected(const String& what) const;    //!< and there is something else, or nothing
@@ -29,6 +32,8 @@ public:
 
     //! A map that holds no other keys than these, and none twice.
     const NodeReader& map(const std::set<String>& keys) const;
+    //! Other keys may be there, but none that looks like one of these misspelt.
+    void checkSpelling(const std::vector<String>& keys) const;
     std::vector<NodeReader> sequence() const;
 
     String text(const char* what = "a string") const;       //!< not empty
@@ -40,6 +45,7 @@ public:
 
 private:
     String filename_, path_;
+    String alike_;   // where this is not there: a key that looks like it
     FileNode node_;
 };
 

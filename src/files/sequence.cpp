@@ -98,6 +98,9 @@ void Sequence::readDescription(const String& filename, bool recorded)
     const FileStorage file = openStorage(filename);
     const NodeReader root(filename, file.root());
     filename_ = filename;
+    const std::vector<String> keys = {"name", "fps", "frames", "image_width", "image_height", "layout", "fields", "mask", "left", "right",
+                                      "right_T_left", "kinematics", "groundtruth", "keypoints", "tools"};
+    root.checkSpelling(keys);
     const NodeReader kinematics = root["kinematics"], truth = root["groundtruth"];
 
     name_ = root.has("name") ? root["name"].text() : utils::fs::canonical(besideFile(filename, "."));
@@ -123,6 +126,7 @@ void Sequence::readDescription(const String& filename, bool recorded)
     for (size_t i = 0; i < tools.size(); i++)
     {
         SequenceTool tool;
+        tools[i].checkSpelling({"name", "model", "camera_T_base", "time_offset"});
         const NodeReader name = tools[i]["name"];
         tool.name = name.text();
         for (size_t j = 0; j < i; j++)

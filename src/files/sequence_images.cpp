@@ -61,6 +61,8 @@ void Sequence::readImages(const NodeReader& root, bool recorded)
     const char* const video = "the path of a video";
     const char* const mask = "the path of an image";
     const NodeReader left = root["left"], right = root["right"];
+    left.checkSpelling({"video", "camera_matrix", "distortion_coefficients", "mask"});
+    right.checkSpelling({"video", "camera_matrix", "distortion_coefficients", "mask"});
     const Size size(root["image_width"].count("a whole number larger than 0 [pixel]"),
                     root["image_height"].count("a whole number larger than 0 [pixel]"));
     layout_ = choice(root["layout"], layouts);

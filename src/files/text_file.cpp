@@ -20,15 +20,22 @@ void importError(const String& filename, const String& what, int code)
 
 static const char* const byteOrderMark = "\xEF\xBB\xBF";
 
+static bool isUtf16(const String& text) { return text.compare(0, 2, "\xFF\xFE") == 0 || text.compare(0, 2, "\xFE\xFF") == 0; }
+
 static String readWhole(const String& filename)
 {
-    std::ifstream file;
-    if (!utils::fs::isDirectory(filename))
-        file.open(filename.c_str(), std::ios::binary);
+    if (utils::fs::isDirectory(filename))
+        importError(filename, "is a folder, expected a text file", Error::StsObjectNotFound);
+    if (!utils::fs::exists(filename))
+        importError(filename, "there is no such file", Error::StsObjectNotFound);
+    std::ifstream file(filename.c_str(), std::ios::binary);
     std::ostringstream content;
-    const bool there = file.is_open();
-    if (!there || !(content << file.rdbuf()))
-        importError(filename, "expected a text file that can be read and is not empty", there ? Error::StsParseError : Error::StsObjectNotFound);
+    if (!file.is_open())
+        importError(filename, String("can't be read: ") + std::strerror(errno), Error::StsObjectNotFound);
+    if (!(content << file.rdbuf()))
+        importError(filename, "expected a text file that is not empty");
+    if (isUtf16(content.str()))
+        importError(filename, "is UTF-16, expected UTF-8 or ASCII");
     return content.str();
 }
 
@@ -135,8 +142,12 @@ static String withCommas(const String& line, int& depth)
 
 FileStorage openYaml(const String& filename)
 {
+    const String whole = readTextFile(filename);
+    const size_t begin = whole.find_first_not_of(" \r\n");
+    if (begin != String::npos && whole[begin] == '{' && whole.find('"') != String::npos)
+        return parseStorage(filename, whole.substr(begin));   // JSON
     const std::regex numberKey("(^|[{,]) *['\"]?([0-9]+)['\"]? *:(?= |$)"), notForStorage("[ \r]+$|!!python/tuple");
-    std::istringstream lines(readTextFile(filename));
+    std::istringstream lines(whole);
     String text = "%YAML:1.0\n---\n", line;
     int depth = 0;
     for (bool begun = false; std::getline(lines, line); )

@@ -29,7 +29,7 @@ FileStorage openStorage(const String& filename);
 //! The same of its content.
 FileStorage parseStorage(const String& filename, const String& text);
 
-/** YAML as ROS and PyYAML write it: without the line `%YAML:1.0`, lists not indented, and keys that are numbers. To such keys the
+/** JSON, or YAML as ROS and PyYAML write it: without the line `%YAML:1.0`, lists not indented, and keys that are numbers. To such keys the
 prefix `n` is added. Of several documents the first; numbers of a list may be without commas. */
 FileStorage openYaml(const String& filename);
 

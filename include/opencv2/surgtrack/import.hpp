@@ -104,10 +104,11 @@ CV_EXPORTS_W Matx44d importHandEye(const String& filename);
 
 The time is the column `...header.stamp`, `...stamp`, `time` (`Time`, `time_ms`, `time [ns]`), `__time`, `%time` or `t`, or the pair `...secs`
 and `...nsecs` (`...sec`, `...nanosec`); the first of these in which the time does not stand still. Seconds or nanoseconds are told by the
-rate, which must lie between 2 Hz and 5 kHz, if the name has no unit. Joints are the columns of the coordinate's name, of the dVRK's
-(`yaw` or `outer_yaw` for q1, ... `jaw`), perhaps followed by `position`; those whose names stand in the rows (`name0` of `position0`, or
-lists `name` and `position`); or, in a file with none of these, `...position0`, `...position[1]`, ..., in the order of the coordinates,
-going on from file to file. A cell that is empty or `nan` has no reading: each joint is interpolated over those it has.
+rate, which must lie between 2 Hz and 5 kHz, if the name has no unit; dates of ISO 8601 are seconds since 1970. Joints are the columns of the
+coordinate's name, of the dVRK's (`yaw` or `outer_yaw` for q1, ... `jaw`), perhaps followed by `position` or a unit (`q1 [deg]`,
+`insertion_mm`); those whose names stand in the rows (`name0` of `position0`, or lists `name` and `position`); or, in a file with none of
+these, `...position0`, `...position[1]`, ..., in the order of the coordinates, going on from file to file. A cell that is empty or
+`nan` has no reading: each joint is interpolated over those it has.
 
 @param files the arm's, and if the jaw was recorded apart, the jaw's: interpolated to the times of the first
 @param coordinates names, as ToolModel::coordinateNames()
@@ -145,7 +146,8 @@ CV_EXPORTS_W void importDaVinciJoints(const String& filename, const Ptr<ToolMode
 CV_EXPORTS_W Matx44d importDaVinciHandEye(const String& filename, const String& key);
 
 /** @brief Writes keypoints.csv from the labels of the EndoVis 2015 challenge (JSON: a list of images).
-@param labels the JSON; the frame is the number in an entry's `filename`, counted from that of the first entry; without numbers entry k is frame k
+@param labels the JSON; the frame is the number in an entry's `filename`, counted from that of the first entry; without numbers entry k is frame k. A
+label without `id`, as some of the test set are, is of the only tool of its image without a label of that class; else it is left out
 @param csv the file to write
 @param keypoints `CLASS:NAME` each: label classes to write and the names of the tool's keypoints they are; empty: all, by their class
 @param tools `ID:NAME` each, the same for tools

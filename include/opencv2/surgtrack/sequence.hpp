@@ -122,6 +122,8 @@ public:
     /** @brief Time of a tool's last joint reading, on the images' clock [s]. */
     CV_WRAP double lastTime(int tool) const;
 
+    /** @brief Path of sequence.yaml. */
+    CV_WRAP String descriptionFile() const { return filename_; }
     /** @brief Path of kinematics.csv. */
     CV_WRAP String kinematicsFile() const { return kinematicsFile_; }
 

@@ -16,7 +16,7 @@ namespace cv { namespace surgtrack {
 ToolTracker::Params, and maps of those of ToolTracker::Stages.
 @param filename YAML, XML or JSON, as writeTrackerParams() writes it
 @param params, stages changed
-@throws cv::Exception naming file and key: no such field, or no number */
+@throws cv::Exception naming file and key: no such field, no number, or one out of its range */
 CV_EXPORTS_W void readTrackerParams(const String& filename, CV_IN_OUT ToolTracker::Params& params, CV_IN_OUT ToolTracker::Stages& stages);
 
 /** @brief Writes all parameters of a tracker.
@@ -29,7 +29,7 @@ CV_EXPORTS_W void writeTrackerParams(const String& filename, const ToolTracker::
 @param name of a field of ToolTracker::Params, as `minWindow`, or of a stage, as `matcher.minSimilarity`
 @param value as text: a number; 0, 1, false or true for a flag
 @param params, stages changed
-@throws cv::Exception naming what is there instead */
+@throws cv::Exception naming the parameter, and what it may be or what there is instead */
 CV_EXPORTS_W void setTrackerParam(const String& name, const String& value, CV_IN_OUT ToolTracker::Params& params,
                                   CV_IN_OUT ToolTracker::Stages& stages);
 

@@ -60,6 +60,23 @@ void checkBaseline(const String& filename, const String& key, const Matx44d& rig
         importError(filename, key + ": the right camera stands to the left of the left one: expected x of T below 0; are the eyes exchanged?");
 }
 
+void append(const FileNode& node, Mat_<double>& m)
+{
+    for (FileNodeIterator it = node.begin(); node.isSeq() && it != node.end(); ++it)
+        if ((*it).isSeq())
+            append(*it, m);
+        else
+            m.push_back((*it).isInt() || (*it).isReal() ? (double)*it : DBL_MAX);
+}
+
+//! A column of the numbers of a list, or of one of lists; DBL_MAX where there is none.
+Mat numbersOf(const FileNode& node)
+{
+    Mat_<double> m;
+    append(node.isMap() ? node["data"] : node, m);
+    return m;
+}
+
 //! A calibration file of ROS, or a CameraInfo message as `echo` prints it.
 class CameraInfo
 {
@@ -88,7 +105,7 @@ public:
     Mat matrix(const String& keys, int rows, int cols) const
     {
         String key;
-        const Mat m = numbers(find(keys, key));
+        const Mat m = numbersOf(find(keys, key));
         if ((int)m.total() != rows * cols || !checkRange(m, true, 0, -1e300, 1e300))
             importError(filename_, format("key %s: expected `data` with %d finite numbers", key.c_str(), rows * cols));
         return m.reshape(1, rows);
@@ -111,22 +128,6 @@ private:
         return storage_[key];
     }
 
-    static void append(const FileNode& node, Mat_<double>& m)
-    {
-        for (FileNodeIterator it = node.begin(); node.isSeq() && it != node.end(); ++it)
-            if ((*it).isSeq())
-                append(*it, m);
-            else
-                m.push_back((*it).isInt() || (*it).isReal() ? (double)*it : DBL_MAX);
-    }
-
-    static Mat numbers(const FileNode& node)
-    {
-        Mat_<double> m;
-        append(node.isMap() ? node["data"] : node, m);
-        return m;
-    }
-
     String model() const
     {
         const char* const keys[] = { "distortion_model", "camera_model" };
@@ -144,8 +145,10 @@ private:
         if (!name.empty() && !plumbBob && name != "rational_polynomial")
             importError(filename_, "key distortion_model: expected plumb_bob or rational_polynomial, found `" + name
                         + "`; lenses of other models, such as fisheyes, are not supported");
-        Mat D = numbers(node);
+        Mat D = numbersOf(node);
         const int n = (int)D.total(), most = plumbBob ? 5 : 12;
+        if (n == 0 && node.isSeq())
+            return Mat::zeros(5, 1, CV_64F);   // of a lens without, as drivers of rectified images say
         if ((n != 4 && n != 5 && n != 8 && n != 12 && n != 14) || !checkRange(D, true, 0, -1e300, 1e300))
             importError(filename_, "key " + key + ": expected `data` with 4, 5, 8, 12 or 14 finite numbers");
         if (name.empty() && n == 4)
@@ -183,7 +186,11 @@ public:
         if (files.empty())
             CV_Error(Error::StsBadArg, "files: expected at least one calibration file");
         for (size_t i = 0; i < files.size(); i++)
-            storages_.push_back(openStorage(files[i]));
+        {
+            const String text = readTextFile(files[i]);
+            const bool plainYaml = text.find_first_of("%<{") != text.find_first_not_of(" \r\n");
+            storages_.push_back(plainYaml ? openYaml(files[i]) : openStorage(files[i]));
+        }
         for (size_t i = 0; i < files.size(); i++)
             refuseFisheye(storages_[i].root(), files[i]);
     }
@@ -212,6 +219,11 @@ public:
         {
             if (node.isMap())
                 node >> m;
+            else if (node.isSeq())   // as Python's lists are written
+            {
+                m = numbersOf(node);
+                m = m.total() == 9 ? m.reshape(1, 3) : m;
+            }
         }
         catch (const Exception&) {}
         if (m.empty() && (needed || !node.empty()))
@@ -355,9 +367,9 @@ CameraPair importOpenCVCameras(const std::vector<String>& files, double unit, Si
         importError(files[0], "no image size in it (image_width, image_height): expected it to be given (imageSize)");
     CameraPair cameras;
     const String right = "M2 K2 cameraMatrix2 camera_matrix_2 camera_matrix_right cameraMatrixRight";
-    cameras.left = calibration.camera("M1 K1 cameraMatrix1 camera_matrix_1 camera_matrix_left cameraMatrixLeft camera_matrix cameraMatrix M K",
+    cameras.left = calibration.camera("M1 K1 cameraMatrix1 camera_matrix_1 camera_matrix_left cameraMatrixLeft camera_matrix cameraMatrix M K mtx",
                                       "D1 distCoeffs1 dist_coeffs_1 distortion_coefficients_1 dist_coeffs_left distCoeffsLeft "
-                                      "distortion_coefficients distCoeffs dist_coeffs D", size);
+                                      "distortion_coefficients distCoeffs dist_coeffs dist_coeff D dist", size);
     if (calibration.find(right).empty())
         return cameras;
     cameras.right = calibration.camera(right, "D2 distCoeffs2 dist_coeffs_2 distortion_coefficients_2 dist_coeffs_right distCoeffsRight", size);

@@ -6,7 +6,10 @@
 #include "opencv2/surgtrack/import.hpp"
 #include "files/text_file.hpp"
 
+#include <algorithm>
 #include <cstdlib>
+#include <iterator>
+#include <set>
 
 #ifdef HAVE_NLOHMANN_JSON
 #include "lab/import/import_json.hpp"
@@ -82,6 +85,26 @@ static int numberOf(const String& path)
     return std::atoi(stem.substr(start, std::min(last - start + 1, (size_t)9)).c_str());
 }
 
+//! The tool a label is of. Some have no `id`: then it is the only tool of the image without a label of that class, else it is not known (empty).
+static String toolOf(const JsonKey& annotations, const JsonKey& point)
+{
+    if (point.has("id"))
+        return point["id"].text();
+    std::set<String> tools, having;
+    for (size_t i = 0; i < annotations.size(); i++)
+    {
+        const JsonKey other = annotations[i];
+        if (!other.has("id"))
+            continue;
+        tools.insert(other["id"].text());
+        if (other["class"].text() == point["class"].text())
+            having.insert(other["id"].text());
+    }
+    std::vector<String> left;
+    std::set_difference(tools.begin(), tools.end(), having.begin(), having.end(), std::back_inserter(left));
+    return left.size() == 1 ? left[0] : String();
+}
+
 int importEndoVisKeypoints(const String& labels, const String& csv, const std::vector<String>& keypoints, const std::vector<String>& tools)
 {
     KeypointTable table(keypoints, tools);
@@ -101,7 +124,9 @@ int importEndoVisKeypoints(const String& labels, const String& csv, const std::v
         for (size_t i = 0; i < annotations.size(); i++)
         {
             const JsonKey point = annotations[i];
-            table.add(frame, point["id"].text(), point["class"].text(), Point2d(point["x"].number(), point["y"].number()));
+            const String tool = toolOf(annotations, point);
+            if (!tool.empty())
+                table.add(frame, tool, point["class"].text(), Point2d(point["x"].number(), point["y"].number()));
         }
     }
     return table.write(labels, csv);

@@ -83,29 +83,58 @@ std::vector<String> itemsOf(const String& text)
     return items;
 }
 
-//! Takes a unit off the name of a time: `time [ns]`, `time_ms`. @return seconds per unit, 0 = none is said
-double takeUnit(String& name)
+struct Unit
 {
-    const char* const units[] = { "ns", "us", "ms", "sec", "s" };
-    const double seconds[] = { 1e-9, 1e-6, 1e-3, 1, 1 };
+    const char* name;
+    double size;
+};
+
+//! Takes a unit off the name of a column: `time [ns]`, `time_ms`, `q1 (deg)`. @return its size, 0 = none is said
+template <size_t N> double takeUnit(String& name, const Unit (&units)[N])
+{
     const size_t end = name.find_last_not_of("])");
-    for (int i = 0; i < 5 && end != String::npos; i++)
+    for (size_t i = 0; i < N && end != String::npos; i++)
     {
-        const String unit = units[i];
-        if (end + 1 <= unit.size() || name.compare(end + 1 - unit.size(), unit.size(), unit) != 0 || !std::strchr("_[(", name[end - unit.size()]))
+        const String unit = units[i].name;
+        if (end + 1 <= unit.size() || lowerCase(name.substr(end + 1 - unit.size(), unit.size())) != unit || !std::strchr("_[(", name[end - unit.size()]))
             continue;
         name.resize(end - unit.size());
         while (!name.empty() && name[name.size() - 1] == ' ')
             name.resize(name.size() - 1);
-        return seconds[i];
+        return units[i].size;
     }
     return 0;
+}
+
+const Unit timeUnits[] = { { "ns", 1e-9 }, { "us", 1e-6 }, { "ms", 1e-3 }, { "sec", 1 }, { "s", 1 } };
+const Unit jointUnits[] = { { "rad", 1 }, { "radians", 1 }, { "deg", CV_PI / 180 }, { "degrees", CV_PI / 180 }, { "mm", 1e-3 }, { "cm", 1e-2 }, { "m", 1 } };
+
+//! Seconds of a day and time of ISO 8601 since 1970, or of a duration as MATLAB writes it (`0.5 sec`). @return false: it is neither
+bool readTime(const String& text, double& seconds)
+{
+    int year, month, day, hour, minute, used = 0;
+    char between;
+    double second;
+    if (std::sscanf(text.c_str(), "%d-%d-%d%c%d:%d:%lf%n", &year, &month, &day, &between, &hour, &minute, &second, &used) == 7 && (between == ' ' || between == 'T'))
+    {
+        int zoneHour = 0, zoneMinute = 0;
+        const String zone = text.substr(used);
+        if (!zone.empty() && zone != "Z" && std::sscanf(zone.c_str(), "%d:%d", &zoneHour, &zoneMinute) < 1)
+            return false;
+        const int y = month <= 2 ? year - 1 : year, m = (month + 9) % 12;   // of years that begin in March
+        const double days = 365. * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + day - 719469;
+        seconds = 86400 * days + 3600 * (hour - zoneHour) + 60 * (minute - (zone[0] == '-' ? -zoneMinute : zoneMinute)) + second;
+        return true;
+    }
+    char unit[8];
+    return std::sscanf(text.c_str(), "%lf %7[a-z]%n", &seconds, unit, &used) == 2 && used == (int)text.size()
+           && (String(unit) == "sec" || String(unit) == "s");
 }
 
 double toNumber(const CsvReader& csv, const JointCell& cell)
 {
     if (cell.item < 0)
-        return csv.number(cell.column);
+        return csv.number(cell.column) * (cell.unit > 0 ? cell.unit : 1);
     const std::vector<String> items = itemsOf(csv.text(cell.column));
     char* end = 0;
     const double value = (size_t)cell.item < items.size() ? std::strtod(items[cell.item].c_str(), &end) : 0;
@@ -119,13 +148,13 @@ double toNumber(const CsvReader& csv, const JointCell& cell)
 
 JointFile::JointFile(const String& filename) : filename_(filename)
 {
-    CsvReader csv(filename);
+    CsvReader csv(filename, true);
     header_ = csv.header();
     const bool hasRow = csv.next();
     for (size_t i = 0; i < header_.size(); i++)
     {
         const int index = isCommand(header_[i]) ? -1 : indexAfter(header_[i], "position");
-        JointCell cell = { (int)i, -1 }, none = { -1, -1 };
+        JointCell cell = { (int)i, -1, 0 }, none = { -1, -1, 0 };
         if (index >= (int)positions_.size())
             positions_.resize(index + 1, none);
         if (index >= 0 && positions_[index].column >= 0)
@@ -137,7 +166,7 @@ JointFile::JointFile(const String& filename) : filename_(filename)
         if (isCalled(header_[i], "position") && std::strchr("[(a", csv.text((int)i)[0]))
             for (size_t k = 0; k < itemsOf(csv.text((int)i)).size(); k++)
             {
-                const JointCell cell = { (int)i, (int)k };
+                const JointCell cell = { (int)i, (int)k, 0 };
                 positions_.push_back(cell);
             }
     if (hasRow)
@@ -180,7 +209,7 @@ std::vector<JointFile::TimeColumn> JointFile::timeColumns(const CsvReader& csv) 
         {
             const char* const names[] = { "", "", "time", "__time", "%time", "t" };
             String name = lowerCase(header_[a]);
-            const TimeColumn time = { (int)a, -1, takeUnit(name) };
+            const TimeColumn time = { (int)a, -1, takeUnit(name, timeUnits) };
             const bool stamp = endsWith(name, "stamp"), header = endsWith(name, "header.stamp");
             if (i == 0 ? header : i == 1 ? stamp && !header : name == names[i])
                 found.push_back(time);
@@ -191,7 +220,7 @@ std::vector<JointFile::TimeColumn> JointFile::timeColumns(const CsvReader& csv) 
 //! The first column of a time that does not stand still: stamps that nobody filled in are 0.
 void JointFile::chooseTime()
 {
-    CsvReader csv(filename_);
+    CsvReader csv(filename_, true);
     const std::vector<TimeColumn> candidates = timeColumns(csv);
     if (candidates.empty())
         fail("line 1: expected a column of the time: time, timestamp, ...header.stamp, ...secs and ...nsecs");
@@ -222,11 +251,17 @@ bool JointFile::find(const String& coordinate, JointCell& cell) const
     int found = -1;
     for (size_t i = 0; i < header_.size(); i++)
     {
-        if ((int)i == time_.whole || (int)i == time_.fraction || header_[i].empty() || isCommand(header_[i]) || jointKey(jointOf(header_[i])) != key)
+        String name = header_[i];
+        if ((int)i == time_.whole || (int)i == time_.fraction || name.empty() || isCommand(name))
+            continue;
+        const bool plain = jointKey(jointOf(name)) == key;
+        const double unit = plain ? 0 : takeUnit(name, jointUnits);
+        if (!plain && (unit == 0 || jointKey(jointOf(name)) != key))
             continue;
         if (found >= 0)
             fail("columns '" + header_[found] + "' and '" + header_[i] + "' are both of " + coordinate + ", expected one");
         found = (int)i;
+        cell.unit = unit;
     }
     cell.column = found;
     cell.item = -1;
@@ -258,12 +293,15 @@ bool JointFile::findPosition(int index, JointCell& cell) const
 
 double JointFile::timeOf(const CsvReader& csv) const
 {
+    double seconds;
+    if (readTime(csv.text(time_.whole), seconds))
+        return seconds;
     return csv.number(time_.whole) + (time_.fraction < 0 ? 0 : 1e-9 * csv.number(time_.fraction));
 }
 
 void JointFile::read(std::vector<JointSeries>& series) const
 {
-    CsvReader csv(filename_);
+    CsvReader csv(filename_, true);
     double last = -DBL_MAX;
     int rows = 0, conflicts = 0;
     while (csv.next())

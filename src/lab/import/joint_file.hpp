@@ -13,6 +13,7 @@ namespace cv { namespace surgtrack {
 struct JointCell
 {
     int column, item;   // item: -1 = no list
+    double unit;        // by the column's name, in rad or m; 0 = not said
 };
 
 //! The readings of a joint, of the rows that have one.

@@ -80,7 +80,7 @@ String checkEyes(const Ptr<Sequence>& sequence)
         forExchanged += exchanged[i] > 0.9 && exchanged[i] > given[i] + 0.1;
     }
     if (forExchanged >= 10 && forExchanged > 3 * forGiven)
-        return format("sequence.yaml: left.video, right.video: what is seen in the right image contradicts right_T_left (%d of %d places): are the "
+        return sequence->descriptionFile() + format(": left.video, right.video: what is seen in the right image contradicts right_T_left (%d of %d places): are the "
                       "eyes exchanged?", forExchanged, forGiven + forExchanged);
     return String();
 }

@@ -9,6 +9,7 @@
 #include "opencv2/surgtrack/time_offset.hpp"
 #include "base/geometry.hpp"
 #include "lab/setup_check/setup_trial.hpp"
+#include "lab/setup_check/setup_units.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -16,56 +17,13 @@ namespace {
 
 const double enoughSeen = 0.5;         // share of the time that a tool should be in the image
 const double farthestSeen = 1;         // [m]
-const double limitSlack = 0.2;         // readings this far beyond a limit are wrong, not badly calibrated [rad]; a tenth of it where a joint slides [m]
 const int leastKeypoints = 6;
-
-//! How the units of a coordinate show: those of the first link that it moves.
-const ToolModel::Link* linkOf(const ToolModel& model, int coordinate)
-{
-    for (size_t i = 0; i < model.links().size(); i++)
-        if (model.links()[i].jointType != ToolModel::JOINT_FIXED && model.links()[i].coordinate == coordinate) return &model.links()[i];
-    return 0;
-}
-
-//! A coordinate that is beyond its limits for a tenth of the time.
-String limitFault(const ToolModel& model, const Mat& joints)
-{
-    const Mat_<double> limits = model.jointLimits();
-    for (int c = 0; c < joints.cols; c++)
-    {
-        const ToolModel::Link* link = linkOf(model, c);
-        if (!link || (limits(c, 0) == -DBL_MAX && limits(c, 1) == DBL_MAX)) continue;
-        const double slack = link->jointType == ToolModel::JOINT_PRISMATIC ? limitSlack / 10 : limitSlack;
-        const int beyond = countNonZero((joints.col(c) < limits(c, 0) - slack) | (joints.col(c) > limits(c, 1) + slack));
-        if (beyond * 10 < joints.rows) continue;
-        double low, high;
-        minMaxIdx(joints.col(c), &low, &high);
-        return format("coordinate %s goes from %.4g to %.4g, its limits in the tool file are %g and %g: other units, or another column?",
-                      model.coordinateNames()[c].c_str(), low, high, limits(c, 0), limits(c, 1));
-    }
-    return String();
-}
-
-String sizeFault(const ToolModel& model)
-{
-    for (size_t i = 0; i < model.meshes().size(); i++)
-    {
-        const Mat points = Mat(model.meshes()[i].vertices).reshape(1);
-        Mat low, high;
-        reduce(points, low, 0, REDUCE_MIN);
-        reduce(points, high, 0, REDUCE_MAX);
-        const double length = norm(high - low, NORM_INF);
-        if (length > 1.5 || length < 2e-4)
-            return format("mesh_scale: a mesh is %.3g m long, expected metres; 0.001 is right for files in millimetres", length);
-    }
-    return String();
-}
 
 class SetupCheck
 {
 public:
     SetupCheck(const Ptr<Sequence>& sequence, std::vector<String>& findings, std::vector<String>& figures)
-        : sequence_(sequence), findings_(findings), figures_(figures), end_(0)
+        : sequence_(sequence), file_(sequence->descriptionFile()), findings_(findings), figures_(figures), end_(0)
     {
         for (int i = 0; i < sequence->toolCount(); i++)
         {
@@ -100,7 +58,7 @@ private:
         const double rate = video.get(CAP_PROP_FPS);
         const bool images = sequence_->leftVideo().find('%') != String::npos;   // have no rate of their own
         if (rate > 0 && !images && !sequence_->hasFrameTimes() && std::abs(rate - sequence_->fps()) > 0.01 * rate)
-            say(format("sequence.yaml: fps: %g, but the header of the video says %g frames/s", sequence_->fps(), rate));
+            say(file_ + format(": fps: %g, but the header of the video says %g frames/s", sequence_->fps(), rate));
     }
 
     //! Readings all over the time that both they and the video cover, a row each.
@@ -137,14 +95,52 @@ private:
         const Matx44d& T = infos_[i].nominal_T_base;
         const double seen = shareSeen(*tools_.models[i], T, joints);
         if (seen >= enoughSeen) return;
-        const String which = format("sequence.yaml: camera_T_base of tool '%s': the tool is in the image in %.0f %% of the time: ", infos_[i].name.c_str(), 100 * seen);
+        const String which = file_ + format(": camera_T_base of tool '%s': the tool is in the image in %.0f %% of the time: ", infos_[i].name.c_str(), 100 * seen);
         if (shareSeen(*tools_.models[i], rigidInverse(T), joints) >= enoughSeen) return say(which + "with the inverse it is: is it base_T_camera?");
         for (size_t other = 0; other < infos_.size(); other++)
             if ((int)other != i && shareSeen(*tools_.models[i], infos_[other].nominal_T_base, joints) >= enoughSeen)
                 return say(which + "with that of '" + infos_[other].name + "' it is: are the arms exchanged?");
         const double distance = norm(Vec3d(T(0, 3), T(1, 3), T(2, 3)));
+        if (distance <= farthestSeen && checkDegrees(i, joints)) return;
         say(which + (distance > farthestSeen ? format("it is %.3g m away, expected metres, not millimetres or centimetres", distance)
                                              : String("is it the calibration of this arm and this camera, and is its translation in metres?")));
+    }
+
+    //! Is the tool in the image if some readings are degrees? The fewest with which it is.
+    bool checkDegrees(int i, const Mat& joints)
+    {
+        const std::vector<int> all = mayBeDegrees(*tools_.models[i], joints);
+        std::vector<char> best;
+        double bestSeen = 0;
+        for (int subset = 1; subset < 1 << all.size(); subset++)
+        {
+            std::vector<char> chosen(joints.cols);
+            Mat read = joints.clone();
+            for (size_t k = 0; k < all.size(); k++)
+                if (subset >> k & 1)
+                {
+                    chosen[all[k]] = 1;
+                    read.col(all[k]) *= CV_PI / 180;
+                }
+            const double seen = shareSeen(*tools_.models[i], infos_[i].nominal_T_base, read);
+            const bool fewer = std::count(chosen.begin(), chosen.end(), 1) < std::count(best.begin(), best.end(), 1);
+            if (seen < enoughSeen || seen < bestSeen || (seen == bestSeen && !fewer)) continue;
+            best = chosen;
+            bestSeen = seen;
+        }
+        if (best.empty()) return false;
+        sayDegrees(i, best, joints, format("the tool is in the image in %.0f %% of the time", 100 * bestSeen));
+        return true;
+    }
+
+    void sayDegrees(int i, const std::vector<char>& chosen, const Mat& joints, const String& then)
+    {
+        String names;
+        for (int c = 0; c < joints.cols; c++)
+            if (chosen[c])
+                names += (names.empty() ? "" : ", ") + tools_.models[i]->coordinateNames()[c] + format(" (to %.3g)", norm(joints.col(c), NORM_INF));
+        say(sequence_->kinematicsFile() + ": tool '" + infos_[i].name + "': " + names + ": read as degrees, " + then
+            + ", else not: expected radians, not degrees");
     }
 
     //! How often a keypoint, or the end effector, is in the image and near enough.
@@ -175,9 +171,9 @@ private:
         const Matx44d T = sequence_->right_T_left();
         const double baseline = norm(Vec3d(T(0, 3), T(1, 3), T(2, 3)));
         if (baseline > 0.05)
-            say(format("sequence.yaml: right_T_left: the eyes are %.3g m apart, those of an endoscope some millimetres: is its translation in metres?", baseline));
+            say(file_ + format(": right_T_left: the eyes are %.3g m apart, those of an endoscope some millimetres: is its translation in metres?", baseline));
         else if (T(0, 3) > 0.5 * baseline)
-            say("sequence.yaml: right_T_left: has the right eye left of the left one: is it left_T_right?");
+            say(file_ + ": right_T_left: has the right eye left of the left one: is it left_T_right?");
         const String eyes = checkEyes(sequence_);
         if (!eyes.empty()) say(eyes);
     }
@@ -198,7 +194,7 @@ private:
                 say(format("%s: keypoints: of tool '%s' fewer than four can be seen in %d of %d frames: do they lie inside the meshes, or does its calibration "
                            "leave it at the border of the image?", infos_[i].model.c_str(), infos_[i].name.c_str(), s.tried - s.frames, s.tried));
         }
-        if (good || exchanged(trial, scores) || late(trial, scores)) return;
+        if (good || exchanged(trial, scores) || late(trial, scores) || inDegrees(trial, scores) || upsideDown(trial)) return;
         for (size_t i = 0; i < scores.size(); i++)
             if (scores[i].isJudged() && !scores[i].isGood()) blame(infos_[i], scores[i]);
     }
@@ -206,7 +202,7 @@ private:
     void blame(const SequenceTool& tool, const SetupScore& s)
     {
         const bool lost = s.share() < 0.1;
-        say(format("sequence.yaml: model of tool '%s': %s (tracked in %.0f %% of the frames, evidence %.2f): is it another instrument? Else %s",
+        say(file_ + format(": model of tool '%s': %s (tracked in %.0f %% of the frames, evidence %.2f): is it another instrument? Else %s",
                    tool.name.c_str(), lost ? "what is seen is not it" : "what is seen is not quite it", 100 * s.share(), s.evidence,
                    lost ? "another arm (name), another time (time_offset), or a calibration that is off by centimetres (camera_T_base)"
                         : "another time (time_offset), or it is hidden or blurred"));
@@ -225,16 +221,54 @@ private:
                 const String names = "'" + infos_[i].name + "' and '" + infos_[j].name + "'";
                 if (bothGood(trial.run(arms), i, j))
                 {
-                    say("sequence.yaml: camera_T_base of " + names + ": tools are found with each other's, not with their own: are the arms exchanged, here or in "
+                    say(file_ + ": camera_T_base of " + names + ": tools are found with each other's, not with their own: are the arms exchanged, here or in "
                         + sequence_->kinematicsFile() + "?");
                     return true;
                 }
                 const bool other = infos_[i].model != infos_[j].model && tools_.models[i]->coordinateNames() == tools_.models[j]->coordinateNames();
                 if (!other || !bothGood(trial.run(instruments), i, j)) continue;
-                say("sequence.yaml: model of " + names + ": tools are found with each other's, not with their own: are the tool files exchanged?");
+                say(file_ + ": model of " + names + ": tools are found with each other's, not with their own: are the tool files exchanged?");
                 return true;
             }
         return false;
+    }
+
+    //! Are readings that follow each other in the chain degrees? Found if the tool is with these, as a wrist that is somewhere else is hardly.
+    bool inDegrees(const SetupTrial& trial, const std::vector<SetupScore>& before)
+    {
+        bool any = false;
+        for (size_t i = 0; i < infos_.size(); i++)
+        {
+            if (before[i].isGood() || before[i].tried == 0) continue;
+            const Mat joints = readings((int)i);
+            const std::vector<int> all = mayBeDegrees(*tools_.models[i], joints);
+            bool found = false;
+            for (size_t count = all.size(); count > 0 && !found; count--)
+                for (size_t first = 0; first + count <= all.size() && !found; first++)
+                {
+                    SetupTools tools = tools_;
+                    tools.inDegrees.resize(infos_.size());
+                    tools.inDegrees[i].resize(joints.cols);
+                    for (size_t k = first; k < first + count; k++) tools.inDegrees[i][all[k]] = 1;
+                    const SetupScore score = trial.run(tools)[i];
+                    found = score.isJudged() && score.isGood();
+                    if (found) sayDegrees((int)i, tools.inDegrees[i], joints, "the tool is found");
+                }
+            any = any || found;
+        }
+        return any;
+    }
+
+    //! Are the images turned against those of the calibration?
+    bool upsideDown(const SetupTrial& trial)
+    {
+        SetupTools tools = tools_;
+        tools.upsideDown = true;
+        const std::vector<SetupScore> scores = trial.run(tools);
+        for (size_t i = 0; i < scores.size(); i++)
+            if (!scores[i].isJudged() || !scores[i].isGood()) return false;
+        say(file_ + ": left.video: tools are found in images turned by 180 degrees, not in these: expected images as the camera was calibrated with");
+        return true;
     }
 
     static bool bothGood(const std::vector<SetupScore>& scores, size_t i, size_t j)
@@ -261,12 +295,13 @@ private:
             if (scores[i].isJudged() && !scores[i].isGood()) return false;
         for (size_t i = 0; i < scores.size(); i++)
             if (tools.timeOffsets[i] != 0)
-                say(format("sequence.yaml: time_offset of tool '%s': it is found with readings that are stamped %.3f s later than the images (%.3f), not with "
+                say(file_ + format(": time_offset of tool '%s': it is found with readings that are stamped %.3f s later than the images (%.3f), not with "
                            "those of their time: do the clocks differ?", infos_[i].name.c_str(), tools.timeOffsets[i], infos_[i].timeOffset + tools.timeOffsets[i]));
         return true;
     }
 
     const Ptr<Sequence> sequence_;
+    const String file_;
     std::vector<String>&findings_, &figures_;
     std::vector<SequenceTool> infos_;
     SetupTools tools_;
@@ -274,28 +309,6 @@ private:
 };
 
 } // namespace
-
-String checkUnits(const Ptr<ToolModel>& model, InputArray joints_)
-{
-    if (!model) CV_Error(Error::StsNullPtr, "model: expected a tool");
-    Mat joints;
-    joints_.getMat().convertTo(joints, CV_64F);
-    CV_CheckEQ(joints.cols * joints.channels(), (int)model->coordinateNames().size(), "joints: expected a column per coordinate");
-    for (int c = 0; c < joints.cols; c++)
-    {
-        const ToolModel::Link* link = linkOf(*model, c);
-        if (!link) continue;
-        double low, high;
-        minMaxIdx(joints.col(c), &low, &high);
-        const double most = std::max(-low, high);
-        const bool slides = link->jointType == ToolModel::JOINT_PRISMATIC;
-        if (most * std::abs(link->scale) > (slides ? 1 : 4 * CV_PI))
-            return format("coordinate %s goes to %g: %s", model->coordinateNames()[c].c_str(), most,
-                          slides ? "no instrument slides more than 1 m, expected metres, not millimetres"
-                                 : "more than two turns, expected radians, not degrees");
-    }
-    return String();
-}
 
 void checkSetup(const Ptr<Sequence>& sequence, std::vector<String>& findings, std::vector<String>& figures, bool stereo)
 {

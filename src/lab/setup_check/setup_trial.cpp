@@ -10,9 +10,31 @@ namespace cv { namespace surgtrack {
 
 namespace {
 
-const int stretches = 6, stretchFrames = 6, mostFrames = 5000, leastParts = 4;
+const int stretches = 6, stretchFrames = 6, mostFrames = 5000, leastParts = 4, leastSeen = 15;
 
 } // namespace
+
+void SetupTools::readAs(int tool, std::vector<double>& joints) const
+{
+    for (size_t c = 0; c < joints.size() && !inDegrees.empty() && !inDegrees[tool].empty(); c++)
+        if (inDegrees[tool][c]) joints[c] *= CV_PI / 180;
+}
+
+void SetupScore::addParts(const ToolModel& model, const ToolSight& sight, const std::vector<PartMatch>& matches)
+{
+    std::vector<char> isEnd(model.links().size(), 1);    // no mesh hangs on it
+    for (int i = (int)isEnd.size() - 1; i >= 0; i--)
+        if (model.links()[i].parent >= 0 && (model.links()[i].mesh >= 0 || !isEnd[i])) isEnd[model.links()[i].parent] = 0;
+    for (size_t i = 0; i < sight.templates.size(); i++) seen[(int)isEnd[model.keypoints()[sight.templates[i].part].link]]++;
+    for (size_t i = 0; i < matches.size(); i++) matched[(int)isEnd[model.keypoints()[matches[i].part].link]] += matches[i].similarity;
+}
+
+bool SetupScore::isGood() const
+{
+    const double score = share() * evidence - 2 * nis;
+    if (std::min(seen[0], seen[1]) < leastSeen) return score >= 0.9;
+    return score + 4 * (matched[1] / seen[1] - matched[0] / seen[0]) >= 1.3;
+}
 
 SetupTrial::SetupTrial(const Sequence& sequence) : sequence_(sequence)
 {
@@ -59,8 +81,13 @@ void SetupTrial::trackStretch(const SetupTools& tools, int start, std::vector<Se
         if (image == images_.end()) return;
         const double time = sequence_.frameTime(frame);
         for (size_t i = 0; i < joints.size(); i++)
+        {
             if (!sequence_.jointsAt((int)i, time + tools.timeOffsets[i], joints[i], tools.models[i]->coordinateNames())) return;
-        tracker->update(image->second, time, joints, estimates);
+            tools.readAs((int)i, joints[i]);
+        }
+        Mat turned = image->second;
+        if (tools.upsideDown) rotate(image->second, turned, ROTATE_180);
+        tracker->update(turned, time, joints, estimates);
         for (size_t i = 0; i < estimates.size(); i++)
         {
             const ToolEstimate& e = estimates[i];
@@ -73,6 +100,7 @@ void SetupTrial::trackStretch(const SetupTools& tools, int start, std::vector<Se
             score.tracked++;
             score.evidence += e.similarity + e.contourSupport;
             score.nis += e.nis;
+            score.addParts(*tools.models[i], tracker->sight((int)i), e.matches);
         }
     }
 }

@@ -1660,6 +1660,9 @@ class Sequence:
     def lastTime(self, tool: int) -> float:
         """Time of a tool's last joint reading, on the images' clock [s]."""
         ...
+    def descriptionFile(self) -> str:
+        """Path of sequence.yaml."""
+        ...
     def kinematicsFile(self) -> str:
         """Path of kinematics.csv."""
         ...
@@ -2244,10 +2247,11 @@ def importJoints(files: _Sequence[str], coordinates: _Sequence[str], joints: Opt
 
     The time is the column `...header.stamp`, `...stamp`, `time` (`Time`, `time_ms`, `time [ns]`), `__time`, `%time` or `t`, or the pair `...secs`
     and `...nsecs` (`...sec`, `...nanosec`); the first of these in which the time does not stand still. Seconds or nanoseconds are told by the
-    rate, which must lie between 2 Hz and 5 kHz, if the name has no unit. Joints are the columns of the coordinate's name, of the dVRK's
-    (`yaw` or `outer_yaw` for q1, ... `jaw`), perhaps followed by `position`; those whose names stand in the rows (`name0` of `position0`, or
-    lists `name` and `position`); or, in a file with none of these, `...position0`, `...position[1]`, ..., in the order of the coordinates,
-    going on from file to file. A cell that is empty or `nan` has no reading: each joint is interpolated over those it has.
+    rate, which must lie between 2 Hz and 5 kHz, if the name has no unit; dates of ISO 8601 are seconds since 1970. Joints are the columns of the
+    coordinate's name, of the dVRK's (`yaw` or `outer_yaw` for q1, ... `jaw`), perhaps followed by `position` or a unit (`q1 [deg]`,
+    `insertion_mm`); those whose names stand in the rows (`name0` of `position0`, or lists `name` and `position`); or, in a file with none of
+    these, `...position0`, `...position[1]`, ..., in the order of the coordinates, going on from file to file. A cell that is empty or
+    `nan` has no reading: each joint is interpolated over those it has.
 
     files: the arm's, and if the jaw was recorded apart, the jaw's: interpolated to the times of the first
     coordinates: names, as ToolModel.coordinateNames()
@@ -2295,7 +2299,8 @@ def importDaVinciHandEye(filename: str, key: str) -> NDArray[np.float64]:
 def importEndoVisKeypoints(labels: str, csv: str, keypoints: _Sequence[str] = ..., tools: _Sequence[str] = ...) -> int:
     """Writes keypoints.csv from the labels of the EndoVis 2015 challenge (JSON: a list of images).
 
-    labels: the JSON; the frame is the number in an entry's `filename`, counted from that of the first entry; without numbers entry k is frame k
+    labels: the JSON; the frame is the number in an entry's `filename`, counted from that of the first entry; without numbers entry k is frame k. A
+    label without `id`, as some of the test set are, is of the only tool of its image without a label of that class; else it is left out
     csv: the file to write
     keypoints: `CLASS:NAME` each: label classes to write and the names of the tool's keypoints they are; empty: all, by their class
     tools: `ID:NAME` each, the same for tools
@@ -2616,7 +2621,7 @@ def readTrackerParams(filename: str, params: ToolTracker.Params, stages: ToolTra
 
     filename: YAML, XML or JSON, as writeTrackerParams() writes it
     params, stages: changed
-    Raises cv2.error naming file and key: no such field, or no number
+    Raises cv2.error naming file and key: no such field, no number, or one out of its range
     """
     ...
 
@@ -2635,6 +2640,6 @@ def setTrackerParam(name: str, value: str, params: ToolTracker.Params, stages: T
     name: of a field of ToolTracker.Params, as `minWindow`, or of a stage, as `matcher.minSimilarity`
     value: as text: a number; 0, 1, false or true for a flag
     params, stages: changed
-    Raises cv2.error naming what is there instead
+    Raises cv2.error naming the parameter, and what it may be or what there is instead
     """
     ...
