@@ -10,7 +10,7 @@
 
 namespace cv { namespace surgtrack {
 
-ContourPoint::ContourPoint() : link(-1), crease(false), found(false), offset(0), deviation(0), strength(0) {}
+ContourPoint::ContourPoint() : link(-1), crease(false), found(false), offset(0), deviation(0), clipped(0), strength(0) {}
 
 ToolContour::Params::Params() : spacing(5), maxPoints(200), creaseAngle(0) {}
 

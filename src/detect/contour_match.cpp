@@ -84,6 +84,22 @@ float rampMiddle(const float* profile, int channels, int n, int at)
     return moment / sum;
 }
 
+// Which side of an edge is white, in all channels: 1 that after it, -1 that before it.
+int clippedSide(const float* profile, int channels, int n, int at)
+{
+    const int reach = 6;        // a bright ramp is as wide as that [pixel]
+    const float white = 240;    // codecs and white balance take some grey levels off
+    int sides = 0;
+    for (int side = -1; side <= 1; side += 2)
+    {
+        const int j = std::min(std::max(at + side * reach, 0), n - 1);
+        bool clipped = true;
+        for (int c = 0; c < channels && clipped; c++) clipped = profile[c * n + j] >= white;
+        sides += clipped ? side : 0;
+    }
+    return sides;
+}
+
 // Whether the profile of a point lies in the image, and from where.
 bool profileInside(const Mat& image, const ContourPoint& c, int reach, Point2d& a)
 {
@@ -186,6 +202,7 @@ int matchContour(const Mat& image, std::vector<ContourPoint>& points, const Cont
         int l, r;
         findRamp(energy, n, best, l, r);
         if (r - l >= rampWidth) c.offset = rampMiddle(profile, channels, n, best) - reach;
+        c.clipped = clippedSide(profile, channels, n, best);
         c.strength = std::sqrt(energy[best]);
         c.deviation = std::sqrt(0.3 * 0.3 + unit * unit / energy[best]);
         found++;

@@ -53,15 +53,33 @@ bool ArticulatedPoseEKFImpl::row(const CameraModel& camera, const Matx44d& eye_T
     return true;
 }
 
+// Inverse covariance of what displaces edges, given all else.
+Eigen::Matrix2d ArticulatedPoseEKFImpl::edgeBiases() const
+{
+    Eigen::Matrix2d result = biasA_;
+    result(0, 0) += 1 / std::pow(params_.edgeBias, 2);
+    result(1, 1) += 1 / std::pow(params_.bloom, 2);
+    return result;
+}
+
+// What is measured, whatever displaced the edges: a Schur complement.
+void ArticulatedPoseEKFImpl::marginalise(SeenMatrix& A, SeenVector& b, double& square) const
+{
+    const Eigen::Matrix2d inverse = edgeBiases().inverse();
+    A = A_ - biasSeen_ * inverse * biasSeen_.transpose();
+    b = b_ - biasSeen_ * (inverse * biasb_);
+    square = square_ - biasb_.dot(inverse * biasb_);
+}
+
 // x = (P^-1 + A)^-1 b with P = L L^T: L (I + L^T A L)^-1 L^T b; the posterior is symmetric and positive by its form.
-bool ArticulatedPoseEKFImpl::posterior(const Matrix& P, Vector& x, Matrix& result) const
+bool ArticulatedPoseEKFImpl::posterior(const Matrix& P, const SeenMatrix& seenA, const SeenVector& seenb, Vector& x, Matrix& result) const
 {
     const int k = m_ - 6, l = n_ - 6;
     Matrix A(n_, n_);   // of the state, from that of what is seen
-    A.topLeftCorner(6, 6) = A_.topLeftCorner(6, 6);
-    A.bottomLeftCorner(l, 6) = phi_.transpose() * A_.bottomLeftCorner(k, 6);
+    A.topLeftCorner(6, 6) = seenA.topLeftCorner(6, 6);
+    A.bottomLeftCorner(l, 6) = phi_.transpose() * seenA.bottomLeftCorner(k, 6);
     A.topRightCorner(6, l) = A.bottomLeftCorner(l, 6).transpose();
-    A.bottomRightCorner(l, l) = phi_.transpose() * A_.bottomRightCorner(k, k) * phi_;
+    A.bottomRightCorner(l, l) = phi_.transpose() * seenA.bottomRightCorner(k, k) * phi_;
     const Eigen::LLT<Matrix> root(P);
     if (root.info() != Eigen::Success) return false;
     const Matrix L = root.matrixL();
@@ -70,7 +88,7 @@ bool ArticulatedPoseEKFImpl::posterior(const Matrix& P, Vector& x, Matrix& resul
     if (cholesky.info() != Eigen::Success) return false;
     const Matrix W = cholesky.matrixL().solve(Matrix(L.transpose()));
     result = W.transpose() * W;
-    x = result * ofState(b_);
+    x = result * ofState(seenb);
     return x.allFinite();
 }
 
@@ -110,6 +128,9 @@ void ArticulatedPoseEKFImpl::begin()
 {
     A_.setZero(m_, m_);
     b_.setZero(m_);
+    biasA_.setZero();
+    biasb_.setZero();
+    biasSeen_.setZero(m_, 2);
     square_ = 0;
     rows_ = 0;
 }
@@ -174,12 +195,16 @@ int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d&
         if (!row(camera, eye_T_camera, c.link, c.linkPoint, h, H)) continue;
         const SeenVector g = (c.normal.x * H.row(0) + c.normal.y * H.row(1)).transpose();
         const double r = c.normal.dot(c.imagePoint + c.normal * c.offset - h);   // of the state; robust about it
-        const double sigma2 = std::pow(params_.contourNoise * c.deviation, 2), scale = tolerance * tolerance;
-        if (!(r * r <= 9 * (sigma2 + scale))) continue;
-        const double w = 1 / (std::pow(1 + r * r / (4 * sigma2 + scale), 2) * sigma2 * params_.contourCorrelation);
+        const double sigma2 = std::pow(params_.contourNoise * c.deviation, 2), scale = tolerance * tolerance, left = r - edgeBias(c.clipped);
+        if (!(left * left <= 9 * (sigma2 + scale))) continue;
+        const double w = 1 / (std::pow(1 + left * left / (4 * sigma2 + scale), 2) * sigma2 * params_.contourCorrelation);
         const double z = r + g.dot(seenMoved_);
         A_.noalias() += w * g * g.transpose();
         b_.noalias() += w * z * g;
+        const Eigen::Vector2d u(1, c.clipped);
+        biasA_ += w * u * u.transpose();
+        biasb_ += w * z * u;
+        biasSeen_.noalias() += w * g * u.transpose();
         square_ += w * z * z;
         rows_++;
         passed++;
@@ -197,16 +222,28 @@ double ArticulatedPoseEKFImpl::surprise(double rotation, double translation) con
         pushed(i, i) += rotation * rotation;
         pushed(3 + i, 3 + i) += translation * translation;
     }
-    if (rows_ == 0 || !posterior(predicted_.P, x, result) || !posterior(pushed, y, result)) return 0;
-    return 0.5 * ofState(b_).dot(y - x);
+    SeenMatrix A;
+    SeenVector b;
+    double square;
+    marginalise(A, b, square);
+    if (rows_ == 0 || !posterior(predicted_.P, A, b, x, result) || !posterior(pushed, A, b, y, result)) return 0;
+    return 0.5 * ofState(b).dot(y - x);
 }
 
 bool ArticulatedPoseEKFImpl::solve()
 {
     Vector x;
     Matrix P;
-    if (rows_ == 0 || !posterior(predicted_.P, x, P)) return false;
-    state_.nis = (square_ - ofState(b_).dot(x)) / rows_;
+    SeenMatrix A;
+    SeenVector b;
+    double square;
+    marginalise(A, b, square);
+    if (rows_ == 0 || !posterior(predicted_.P, A, b, x, P)) return false;
+    state_.nis = (square - ofState(b).dot(x)) / rows_;
+    SeenVector seenx(m_);
+    seenx.head(6) = x.head(6);
+    seenx.tail(m_ - 6) = phi_ * x.tail(n_ - 6);
+    bias_ = edgeBiases().inverse() * (biasb_ - biasSeen_.transpose() * seenx);
     state_.P = P;
     const Vector step = x - moved_;
     moved_ = x;

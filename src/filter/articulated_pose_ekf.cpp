@@ -30,7 +30,7 @@ void ArticulatedPoseEKF::copyTo(const Ptr<ArticulatedPoseEKF>& other) const
 
 ArticulatedPoseEKF::Params::Params()
     : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.1 * CV_PI / 180), processTranslation(0.0003),
-      processJoint(0.03), gain(0.02), play(0.02), coupling(0.1), delay(0.1), exact(0.02), pointNoise(3), gate(13.8), contourNoise(1), jointOffsets(true), contourCorrelation(18)
+      processJoint(0.03), gain(0.02), play(0.02), coupling(0.1), delay(0.1), exact(0.02), pointNoise(3), gate(13.8), contourNoise(1), edgeBias(0.15), bloom(3), jointOffsets(true), contourCorrelation(18)
 {
 }
 
@@ -51,6 +51,8 @@ void checkParams(const ArticulatedPoseEKF::Params& p)
     CV_Check(p.pointNoise, p.pointNoise > 0 && p.pointNoise < DBL_MAX, "Params::pointNoise must be positive");
     CV_Check(p.gate, p.gate < DBL_MAX, "Params::gate must be a number");
     CV_Check(p.contourNoise, p.contourNoise > 0 && p.contourNoise < DBL_MAX, "Params::contourNoise must be positive");
+    CV_Check(p.edgeBias, p.edgeBias > 0 && p.edgeBias < DBL_MAX, "Params::edgeBias must be positive");
+    CV_Check(p.bloom, p.bloom > 0 && p.bloom < DBL_MAX, "Params::bloom must be positive");
     CV_Check(p.contourCorrelation, p.contourCorrelation >= 1 && p.contourCorrelation < DBL_MAX, "Params::contourCorrelation must be 1 or more");
 }
 
@@ -148,6 +150,7 @@ void ArticulatedPoseEKFImpl::reset(const Matx44d& correction)
     for (int i = 6; i < n_; i++) state_.P(i, i) = std::pow(prior(i), 2);
     state_.nis = 0;
     state_.placed = false;
+    bias_.setZero();
     reference_.clear();   // nothing is known of travel
     history_.clear();
     std::fill(directions_.begin(), directions_.end(), 0.);

@@ -60,6 +60,7 @@ public:
     const std::vector<double>& joints() const CV_OVERRIDE { return corrected_; }
     void correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const CV_OVERRIDE;
     Mat covariance() const CV_OVERRIDE;
+    double edgeBias(int clipped) const CV_OVERRIDE { return bias_[0] + clipped * bias_[1]; }
     double nis() const CV_OVERRIDE { return state_.nis; }
     Matx22d imageCovariance(const CameraModel& camera, const Matx44d& eye_T_camera, int part) const CV_OVERRIDE;
     Matx66d poseCovariance() const CV_OVERRIDE;
@@ -85,7 +86,9 @@ private:
     Matx44d moved(const Matx44d& correction, const Vector& x) const;
     SeenMatrix seen(const Matrix& P) const;
     const SeenMatrix& stateSeen() const;
-    bool posterior(const Matrix& P, Vector& x, Matrix& result) const;
+    void marginalise(SeenMatrix& A, SeenVector& b, double& square) const;
+    bool posterior(const Matrix& P, const SeenMatrix& A, const SeenVector& b, Vector& x, Matrix& result) const;
+    Eigen::Matrix2d edgeBiases() const;
     Vector ofState(const SeenVector& b) const;
     void apply(const Vector& x);
 
@@ -114,6 +117,10 @@ private:
 
     SeenMatrix A_;
     SeenVector b_;
+    // The same of what displaces edges together: all of them, and those beside white.
+    Eigen::Matrix<double, 2, 2, Eigen::DontAlign> biasA_;
+    Eigen::Matrix<double, 2, 1, Eigen::DontAlign> biasb_, bias_;
+    SeenColumns2 biasSeen_;
     double square_;                   // sum of r^2 / sigma^2
     int rows_;
     Vector moved_;                    // x of the state since predict()

@@ -6,6 +6,7 @@
 #define OPENCV_SURGTRACK_SRC_FILTER_ARTICULATED_STATES_HPP
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include "opencv2/surgtrack/articulated_pose_ekf.hpp"
 
 namespace cv { namespace surgtrack {
@@ -19,6 +20,7 @@ typedef Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::DontAlign, 
 typedef Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::DontAlign, maxSeen, 1> SeenVector;
 typedef Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::DontAlign, maxSeen, maxSeen> SeenMatrix;
 typedef Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, maxSeen> Rows2;
+typedef Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::DontAlign, maxSeen, 2> SeenColumns2;
 typedef Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, maxSeen> Rows3;
 
 }} // namespace cv::surgtrack

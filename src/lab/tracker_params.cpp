@@ -71,7 +71,7 @@ template <class V> void visit(V& v, ArticulatedPoseEKF::Params& p)
 {
     FIELD(initialRotation, range(DBL_MIN, CV_PI)); FIELD(initialTranslation, metres); FIELD(processRotation, angle); FIELD(processTranslation, range(0, 1));
     FIELD(processJoint, notNegative); FIELD(gain, notNegative); FIELD(play, angle); FIELD(coupling, notNegative); FIELD(delay, notNegative); FIELD(exact, range(0, 1));
-    FIELD(pointNoise, pixels); FIELD(gate, notNegative); FIELD(contourNoise, pixels); FLAG(jointOffsets); FIELD(contourCorrelation, range(1, 1e6));
+    FIELD(pointNoise, pixels); FIELD(gate, notNegative); FIELD(contourNoise, pixels); FIELD(edgeBias, pixels); FIELD(bloom, pixels); FLAG(jointOffsets); FIELD(contourCorrelation, range(1, 1e6));
 }
 
 template <class V> void visit(V& v, ToolContour::Params& p)

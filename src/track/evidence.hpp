@@ -54,11 +54,12 @@ struct EvidenceThresholds
 //! What a pose has to show for itself, that the filter does not know.
 struct Evidence
 {
-    Evidence() : similarity(0), support(0), nis(0), parts(0), points(false), plausible(true) { eyeSupport[0] = eyeSupport[1] = 0; }
+    Evidence() : similarity(0), support(0), white(0), nis(0), parts(0), points(false), plausible(true) { eyeSupport[0] = eyeSupport[1] = 0; }
 
     double similarity;   // mean, of the parts that went into the pose
     double support;      // share of the outline with its strongest edge where the pose has it
     double eyeSupport[2];   // the same, of each eye that was looked with
+    double white;        // share of the edges that were found beside white: how far light has bloomed over them, and with it the depth, is not known
     double nis;          // of the points, per degree of freedom
     int parts;           // that went into the pose
     bool points;         // whether any did, not only the outline
@@ -71,6 +72,8 @@ struct Evidence
         return m.constant + m.parts * std::sqrt(parts * std::max(0., similarity - m.tissue)) + m.support * support
                - m.nis * std::sqrt(std::min(nis, m.mostNis));
     }
+    //! Light hides the tool's size.
+    bool isBlinded() const { return white > 0.5; }
     //! Enough to be taken for one of the first poses.
     bool isFirstPose(const EvidenceThresholds& t) const { return plausible && parts > t.minParts && logOdds() >= t.first; }
     //! Enough without a second frame. @param minInliers Params::minInitialInliers

@@ -97,6 +97,14 @@ const ToolView& FullMethod::seenBy(const PartFinder& eye)
     return seen_;
 }
 
+// Where its edges are expected: what is clipped to white eats into the tool.
+void FullMethod::placeOutline(const PartFinder& eye, std::vector<ContourPoint>& outline)
+{
+    placeContour(eye.camera(), seenBy(eye), outline);
+    for (size_t i = 0; i < outline.size(); i++)
+        if (outline[i].clipped) outline[i].imagePoint += outline[i].normal * filter_->edgeBias(outline[i].clipped);
+}
+
 // Edges on the normals of all eyes' outlines, taken in several times. Returns the log likelihood ratio of a push.
 double FullMethod::refine(Scene& scene, int firstPass)
 {
@@ -113,7 +121,7 @@ double FullMethod::refine(Scene& scene, int firstPass)
         {
             PartFinder& eye = *scene.eyes[e];
             std::vector<ContourPoint>& outline = sights_[e].outline;
-            placeContour(eye.camera(), seenBy(eye), outline);
+            placeOutline(eye, outline);
             const Mat& image = eye.pixels(Rect());
             if (pass == firstPass) strengths[e] = strengthAsked(image, outline, search);
             matchContour(image, outline, search, strengths[e]);
@@ -136,19 +144,26 @@ double FullMethod::support(Scene& scene, const double* strengths)
     search.halfWindow = std::max(leastWindow, supportWindow * pixelScale_);
     search.preference = 0;
     search.ambiguity = 1;
-    int supported = 0, all = 0;
+    int supported = 0, all = 0, found = 0, white = 0;
     for (size_t e = 0; e < eyes(scene); e++)
     {
         PartFinder& eye = *scene.eyes[e];
         std::vector<ContourPoint>& outline = sights_[e].outline;
-        placeContour(eye.camera(), seenBy(eye), outline);
+        placeOutline(eye, outline);
         matchContour(eye.pixels(Rect()), outline, search, strengths[e]);
         int here = 0;
-        for (size_t i = 0; i < outline.size(); i++) here += outline[i].found && std::abs(outline[i].offset) < supportedWithin * pixelScale_;
+        for (size_t i = 0; i < outline.size(); i++)
+        {
+            if (!outline[i].found) continue;
+            here += std::abs(outline[i].offset) < supportedWithin * pixelScale_;
+            white += outline[i].clipped != 0;
+            found++;
+        }
         evidence_.eyeSupport[e] = outline.empty() ? 0 : double(here) / double(outline.size());
         supported += here;
         all += int(outline.size());
     }
+    evidence_.white = found ? double(white) / found : 0;
     return all ? double(supported) / all : 0;
 }
 

@@ -287,7 +287,8 @@ void FullMethod::conclude(const Scene& scene, bool seen)
         if (searched_ && state_ == STATE_TRACKING) state_ = STATE_COASTING;   // found elsewhere: to be confirmed
         const bool followed = !searched_ && (state_ == STATE_TRACKING || (state_ == STATE_COASTING && own + past >= thresholds_.sure));
         logOdds_ = own + past;
-        if (rival_.frames > 0 && state_ == STATE_TRACKING) state_ = STATE_COASTING;   // one of two
+        const bool unsure = rival_.frames > 0 || evidence_.isBlinded();   // one of two, or of a whole range of depths
+        if (unsure && (followed || sure || confirmed || state_ == STATE_TRACKING)) state_ = STATE_COASTING;
         else if (followed || sure || confirmed)
         {
             state_ = STATE_TRACKING;
@@ -372,7 +373,9 @@ void FullMethod::report(ToolEstimate& e) const
     std::copy(filter_->offsets().begin(), filter_->offsets().end(), e.jointOffsets.begin());
     e.joints = filter_->joints();
     e.delay = filter_->delay();
-    e.confidence = isSeen_ ? probability(logOdds_) * (rival_.frames > 0 ? probability(-rival_.lead) : 1) : 0;
+    e.confidence = isSeen_ ? probability(logOdds_) : 0;
+    if (rival_.frames > 0) e.confidence *= probability(-rival_.lead);
+    if (evidence_.isBlinded()) e.confidence *= 1 - evidence_.white;
 }
 
 }} // namespace cv::surgtrack

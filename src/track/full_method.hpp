@@ -82,6 +82,7 @@ private:
     double refine(Scene& scene, int firstPass);
     double support(Scene& scene, const double* strengths);
     const ToolView& seenBy(const PartFinder& eye);
+    void placeOutline(const PartFinder& eye, std::vector<ContourPoint>& outline);
     size_t eyes(const Scene& scene) const { return std::min(scene.open, eyes_); }
     void judgeEyes(Scene& scene);
     double prior(double time) const;

@@ -40,6 +40,8 @@ public:
         CV_PROP_RW double pointNoise;           //!< standard deviation of a part's image point [pixel]
         CV_PROP_RW double gate;                 //!< points with a larger squared Mahalanobis distance are left out; 13.8 = 99.9 % of chi-square with 2 dof
         CV_PROP_RW double contourNoise;         //!< standard deviation of an edge along its normal [pixel]
+        CV_PROP_RW double edgeBias;             //!< the same, of what displaces all edges of an eye and frame together, as codecs do [pixel]
+        CV_PROP_RW double bloom;                //!< the same, of those beside what is clipped to white [pixel]
         CV_PROP_RW bool jointOffsets;           //!< whether the readings may have offsets
         CV_PROP_RW double contourCorrelation;   //!< so many neighbouring contour points tell as much as one
     };
@@ -171,6 +173,8 @@ public:
     CV_WRAP virtual const std::vector<double>& joints() const = 0;
     /** @brief CV_64F, of (omega, v, d): d is the sum of what is wrong with each reading now. */
     CV_WRAP virtual Mat covariance() const = 0;
+    //! What displaced edges in the last solve(), along their normals [pixel]. @param clipped ContourPoint::clipped
+    virtual double edgeBias(int clipped) const = 0;
     /** @brief Normalised innovation squared of the last solve(), per degree of freedom. */
     CV_WRAP virtual double nis() const = 0;
     /** @brief Covariance of where a keypoint will be seen [pixel^2], without measurement noise.

@@ -27,6 +27,7 @@ struct CV_EXPORTS_W_SIMPLE ContourPoint
     CV_PROP_RW bool found;            //!< whether the image has an edge near it
     CV_PROP_RW double offset;         //!< where, from imagePoint along the normal [pixel]
     CV_PROP_RW double deviation;      //!< standard deviation of the offset, as edges of this strength have it [pixel]
+    CV_PROP_RW int clipped;           //!< what the sensor has clipped to white beside the edge: 1 outside the tool, -1 inside, 0 neither; its light blooms over the edge
     CV_PROP_RW double strength;       //!< of that edge, change of the strongest channel [grey levels a pixel]
 };
 
