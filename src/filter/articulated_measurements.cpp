@@ -100,17 +100,17 @@ Vector ArticulatedPoseEKFImpl::ofState(const SeenVector& b) const
     return result;
 }
 
-Matx44d ArticulatedPoseEKFImpl::moved(const Matx44d& correction, const Vector& x) const
+// Of a small motion about the centre.
+Matx44d ArticulatedPoseEKFImpl::motionOf(const Vector& x) const
 {
     const Matx33d R = exponential(Vec3d(x[0], x[1], x[2]));
-    const Point3d c = state_.centre, t = c + Point3d(x[3], x[4], x[5]) - R * c;
-    const Matx44d motion(R(0, 0), R(0, 1), R(0, 2), t.x, R(1, 0), R(1, 1), R(1, 2), t.y, R(2, 0), R(2, 1), R(2, 2), t.z, 0, 0, 0, 1);
-    return nearestRigid(motion * correction);
+    const Point3d c = state_.centre;
+    return rigidTransform(R, c + Point3d(x[3], x[4], x[5]) - R * c);
 }
 
 void ArticulatedPoseEKFImpl::apply(const Vector& x)
 {
-    state_.correction = moved(state_.correction, x);
+    state_.correction = nearestRigid(motionOf(x) * state_.correction);
     state_.theta += x.tail(n_ - 6);
     sumOffsets(state_.theta);
     for (size_t i = 0; i < stateOf_.size(); i++)
@@ -121,6 +121,7 @@ void ArticulatedPoseEKFImpl::apply(const Vector& x)
             state_.theta[errors_->stateOf(i) - 6] += stop - offsets_[i];
             moved_[errors_->stateOf(i)] += stop - offsets_[i];
         }
+    believe();
     place();
 }
 

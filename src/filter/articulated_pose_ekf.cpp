@@ -60,6 +60,8 @@ void store(const Estimate& from, ArticulatedPoseEKF::Belief& to)
 {
     to.correction = from.correction;
     for (int i = 0; i < from.theta.size(); i++) to.theta[i] = from.theta[i];
+    for (int i = 0; i < from.shift.size(); i++) to.shift[i] = from.shift[i];
+    to.believed_T_correction = from.believed_T_correction;
     for (int r = 0; r < from.P.rows(); r++)
         for (int c = 0; c < from.P.cols(); c++) to.covariance(r, c) = from.P(r, c);
     to.centre = from.centre;
@@ -72,6 +74,8 @@ void restore(const ArticulatedPoseEKF::Belief& from, Estimate& to)
 {
     to.correction = from.correction;
     for (int i = 0; i < to.theta.size(); i++) to.theta[i] = from.theta[i];
+    for (int i = 0; i < to.shift.size(); i++) to.shift[i] = from.shift[i];
+    to.believed_T_correction = from.believed_T_correction;
     for (int r = 0; r < to.P.rows(); r++)
         for (int c = 0; c < to.P.cols(); c++) to.P(r, c) = from.covariance(r, c);
     to.centre = from.centre;
@@ -148,6 +152,8 @@ void ArticulatedPoseEKFImpl::reset(const Matx44d& correction)
         state_.P(3 + i, 3 + i) = params_.initialTranslation * params_.initialTranslation;
     }
     for (int i = 6; i < n_; i++) state_.P(i, i) = std::pow(prior(i), 2);
+    state_.shift.setZero(n_);
+    state_.believed_T_correction = Matx44d::eye();
     state_.nis = 0;
     state_.placed = false;
     bias_.setZero();
@@ -157,6 +163,13 @@ void ArticulatedPoseEKFImpl::reset(const Matx44d& correction)
     moved_.setZero(n_);
     setReadings(joints_);
     predictedNow();
+}
+
+// The mixture, after a correction; until the next one it stays as it is.
+void ArticulatedPoseEKFImpl::believe()
+{
+    exact_.mix(state_.theta, state_.P, state_.shift, 0);
+    state_.believed_T_correction = motionOf(state_.shift);
 }
 
 // Of these readings the offsets are a sum of the constants.
@@ -212,7 +225,7 @@ const SeenMatrix& ArticulatedPoseEKFImpl::stateSeen() const
 // How far what is believed is from the prediction.
 void ArticulatedPoseEKFImpl::see()
 {
-    const Vector x = moved_ + shift_;
+    const Vector x = moved_ + state_.shift;
     seenMoved_.resize(m_);
     seenMoved_.head(6) = x.head(6);
     seenMoved_.tail(m_ - 6) = phi_ * x.tail(n_ - 6);
@@ -239,13 +252,12 @@ void ArticulatedPoseEKFImpl::correctJoints(const std::vector<double>& readings, 
 void ArticulatedPoseEKFImpl::place()
 {
     isStateSeen_ = false;
-    exact_.mix(state_.theta, state_.P, shift_, 0);
     see();
-    sumOffsets(state_.theta + shift_.tail(n_ - 6));
+    sumOffsets(state_.theta + state_.shift.tail(n_ - 6));
     history_.at(delay(), late_.data(), rates_.data());
     correctJoints(joints_, corrected_);
     model_->forwardKinematics(corrected_, view_.base_T_link);
-    correction_ = moved(state_.correction, shift_);
+    correction_ = state_.believed_T_correction * state_.correction;
     view_.camera_T_base = correction_ * nominal_T_base_;
     const std::vector<ToolModel::Link>& links = model_->links();
     for (size_t l = 0; l < links.size(); l++)
@@ -286,7 +298,11 @@ void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double g
     // v at the new centre = v + omega x d
     Matrix T = Matrix::Identity(n_, n_);
     T(3, 1) = d.z; T(3, 2) = -d.y; T(4, 0) = -d.z; T(4, 2) = d.x; T(5, 0) = d.y; T(5, 1) = -d.x;
-    if (state_.placed) state_.P = (T * state_.P * T.transpose()).eval();
+    if (state_.placed)
+    {
+        state_.P = (T * state_.P * T.transpose()).eval();
+        state_.shift = (T * state_.shift).eval();
+    }
     state_.placed = true;
     const double frames = seconds > 0 ? std::min(seconds * frameRate, longestGap) : 1, more = growth * growth * frames;
     for (int i = 0; i < 3; i++)
@@ -370,6 +386,8 @@ void ArticulatedPoseEKFImpl::moveCamera(const Matx44d& now_T_before)
         e.correction = nearestRigid(now_T_before * e.correction * rigidInverse(now_T_before));
         e.centre = transform(now_T_before, e.centre);
         e.P = (T * e.P * T.transpose()).eval();
+        e.shift = (T * e.shift).eval();
+        e.believed_T_correction = now_T_before * e.believed_T_correction * rigidInverse(now_T_before);
     }
     moved_ = (T * moved_).eval();
     predictedSeen_ = seen(predicted_.P);

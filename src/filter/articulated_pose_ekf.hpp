@@ -22,6 +22,8 @@ struct Estimate
     Matx44d correction;
     Vector theta;
     Matrix P;
+    Vector shift;                     // from here to what is believed, see ExactReadings
+    Matx44d believed_T_correction;    // the same of the correction
     Point3d centre;
     bool placed;
     double nis;
@@ -55,7 +57,7 @@ public:
     void moveCamera(const Matx44d& now_T_before) CV_OVERRIDE;
     const ToolView& view() const CV_OVERRIDE { return view_; }
     Matx44d correction() const CV_OVERRIDE { return correction_; }
-    double delay() const CV_OVERRIDE { return params_.delay > 0 ? state_.theta[n_ - 7] + shift_[n_ - 1] : 0; }
+    double delay() const CV_OVERRIDE { return params_.delay > 0 ? state_.theta[n_ - 7] + state_.shift[n_ - 1] : 0; }
     const std::vector<double>& offsets() const CV_OVERRIDE { return offsets_; }
     const std::vector<double>& joints() const CV_OVERRIDE { return corrected_; }
     void correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const CV_OVERRIDE;
@@ -83,7 +85,8 @@ private:
     void predictedNow();
     void sumOffsets(const Vector& theta);
     void see();
-    Matx44d moved(const Matx44d& correction, const Vector& x) const;
+    Matx44d motionOf(const Vector& x) const;
+    void believe();
     SeenMatrix seen(const Matrix& P) const;
     const SeenMatrix& stateSeen() const;
     void marginalise(SeenMatrix& A, SeenVector& b, double& square) const;
@@ -112,7 +115,6 @@ private:
     ToolView view_;
     std::vector<std::vector<Axis> > axes_;   // of a link: the joints that move it
     Estimate state_, predicted_;
-    Vector shift_;                    // from the state to what is believed, see ExactReadings
     Matx44d correction_;              // that is believed
 
     SeenMatrix A_;

@@ -9,7 +9,9 @@ namespace cv { namespace surgtrack {
 
 void ReadingHistory::add(const double* readings, double seconds)
 {
-    if (seconds > longestGap) count_ = 0;
+    bool jumps = seconds > longestGap;
+    for (size_t i = 0; i < n_ && !jumps && count_ > 0 && seconds > 0; i++) jumps = std::abs(readings[i] - of(0)[i]) > fastest * seconds;
+    if (jumps) count_ = 0;
     if (seconds > 0 || count_ == 0)
     {
         last_ = (last_ + 1) % frames;

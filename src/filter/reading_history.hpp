@@ -28,6 +28,8 @@ private:
     static const int frames = 8;
     static constexpr double longestGap = 0.5;   // [s]; beyond, nothing is known of what was between
 
+    static constexpr double fastest = 15;     // [rad/s or m/s]; twice what instruments' wrists do: more is another recording, or a glitch
+
     const double* of(int back) const { return &values_[((last_ + frames - back) % frames) * n_]; }
 
     size_t n_;

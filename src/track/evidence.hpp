@@ -30,7 +30,7 @@ struct EvidenceModel
 struct EvidenceThresholds
 {
     //! @param minConfidence Params::minConfidence: by its odds what follows is more or less than if it is 0.5
-    explicit EvidenceThresholds(double minConfidence = 0.5) : first(0), confirmed(2.2), sure(3.9), followed(1), prior(2), outlinePrior(0.5), leastSupport(0.3), minParts(4), pushedGain(0.6)
+    explicit EvidenceThresholds(double minConfidence = 0.5) : first(0), confirmed(2.2), sure(3.9), followed(1), prior(2), outlinePrior(0.5), leastSupport(0.3), seriousLead(-1.1), minParts(4), pushedGain(0.6)
     {
         const double more = std::log(minConfidence / (1 - minConfidence));
         first += more;
@@ -47,6 +47,7 @@ struct EvidenceThresholds
     double prior;       // of such a pose, at most: of 200 poses whose own odds were 0.4 to 1, 97 % were right after one that was
     double outlinePrior;   // of an outline alone: it must have 0.56 of its own, 20 px off it has 0.31 at most
     double leastSupport;   // of a pose that is followed, whatever its prior: outlines 5 px off have 0.2 on average
+    double seriousLead; // of a second pose against the one that is believed: one in four
     int minParts;       // that must be found and pass the filter's gate: three leave a pose and its mirror image
     double pushedGain;  // that a push of the camera must add to be believed: twice what noise adds
 };

@@ -287,7 +287,7 @@ void FullMethod::conclude(const Scene& scene, bool seen)
         if (searched_ && state_ == STATE_TRACKING) state_ = STATE_COASTING;   // found elsewhere: to be confirmed
         const bool followed = !searched_ && (state_ == STATE_TRACKING || (state_ == STATE_COASTING && own + past >= thresholds_.sure));
         logOdds_ = own + past;
-        const bool unsure = rival_.frames > 0 || evidence_.isBlinded();   // one of two, or of a whole range of depths
+        const bool unsure = (rival_.frames > 0 && rival_.lead > thresholds_.seriousLead) || evidence_.isBlinded();   // one of two, or of a whole range of depths
         if (unsure && (followed || sure || confirmed || state_ == STATE_TRACKING)) state_ = STATE_COASTING;
         else if (followed || sure || confirmed)
         {

@@ -49,7 +49,7 @@ void FullMethod::correctAnew(Scene& scene)
     refine(scene, nearPass);
     if (isBetter(far_)) keepPose(far_);
     const Point3d at = transform(predicted.corrected.correction, nominalPoints_[0]);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3 && params_.adaptation; i++)
     {
         const bool camera = i == 2;   // has moved, as another tool saw it
         if (camera && (!isSettled_ || scene.cameraMotion == Matx44d::eye())) continue;

@@ -54,6 +54,8 @@ public:
         Matx44d correction;                    //!< camera_T_nominal
         Vec<double, MAX_STATES> theta;         //!< constants of the readings' errors; its first part is used
         Matx<double, MAX_STATES, MAX_STATES> covariance;   //!< of (omega, v, theta); its upper left part is used
+        Vec<double, MAX_STATES> shift;         //!< from the mean of the state to that of the mixture that is believed, see Params::exact;
+        Matx44d believed_T_correction;         //!< the same of the correction, as a motion in the camera frame
         Point3d centre;                        //!< c, in the camera frame [m]
         bool placed;                           //!< whether the centre is that of a frame; before, P is about wherever the tool will be
         double nis;                            //!< see ArticulatedPoseEKF::nis()
