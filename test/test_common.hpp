@@ -6,6 +6,11 @@
 #define OPENCV_SURGTRACK_TEST_COMMON_HPP
 
 #include "test_precomp.hpp"
+#if CV_VERSION_MAJOR >= 5   // distances and rectangles too are there
+#include "opencv2/geometry.hpp"
+#else
+#include "opencv2/calib3d.hpp"
+#endif
 
 #include <fstream>
 #include <limits>

@@ -20,7 +20,7 @@ class NodeReader
 public:
     NodeReader(const String& filename, const FileNode& node, const String& path = String()) : filename_(filename), path_(path), node_(node) {}
 
-    CV_NORETURN void fail(const String& what, int code = Error::StsParseError) const;
+    CV_NORETURN void fail(const String& what, Error::Code code = Error::StsParseError) const;
     CV_NORETURN void expected(const String& what) const;    //!< and there is something else, or nothing
 
     bool isThere() const { return !node_.empty(); }
