@@ -19,7 +19,7 @@ track_sequence on the built-in sequence and README's programs, the wheel by pip 
 
 environment:
   PACKAGES_DIR    output folder (default: packages/ in the repository)
-  BUILD_DIR, OPENCV_SOURCE, JOBS, PYTHON      as in misc/test.sh
+  BUILD_DIR, OPENCV_SOURCE, JOBS      as in misc/test.sh
 TEXT
 }
 
@@ -37,7 +37,7 @@ done
 # shellcheck source=misc/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 have_apt || die "packages are made with the tools of Debian and Ubuntu"
-PYTHON="${PYTHON_OF_PACKAGES:-/usr/bin/python3}"
+PYTHON=/usr/bin/python3   # which the packages are for
 PACKAGES_DIR="${PACKAGES_DIR:-$REPO/packages}"
 mkdir -p "$PACKAGES_DIR" || die "cannot make the folder $PACKAGES_DIR"
 PACKAGES_DIR="$(cd "$PACKAGES_DIR" && pwd -P)"
@@ -45,7 +45,7 @@ NAME=opencv-surgtrack
 WHERE="/opt/$NAME"
 SUMMARY='OpenCV with surgtrack: 3D tracking of articulated surgical tools'
 if [[ $(uname -m) == x86_64 ]]; then
-  PROCESSOR=(-DCPU_BASELINE=SSE3 -DCPU_DISPATCH=AVX2,AVX512_SKX)
+  PROCESSOR=(-DCPU_BASELINE=SSE3 "-DCPU_DISPATCH=AVX2,AVX512_SKX")
 else
   PROCESSOR=(-UCPU_BASELINE -UCPU_DISPATCH)
 fi
@@ -65,7 +65,7 @@ builds() {
 make_deb() {
   local architecture part projects=''
   architecture="$(dpkg --print-architecture)"
-  CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO" -DBUILD_LIST=surgtrack,highgui,python3 -DBUILD_EXAMPLES=ON -DBUILD_TESTS=OFF -DBUILD_opencv_python3=ON
+  CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO" "-DBUILD_LIST=surgtrack,highgui,python3" -DBUILD_EXAMPLES=ON -DBUILD_TESTS=OFF -DBUILD_opencv_python3=ON
     "-DPYTHON3_EXECUTABLE=$PYTHON" -DPYTHON3_PACKAGES_PATH=lib/python3/dist-packages -DCMAKE_INSTALL_LIBDIR=lib -DHIGHGUI_PLUGIN_LIST=gtk3)
   builds deb all
   step "Packing $NAME.deb"
@@ -134,7 +134,7 @@ gathers() {
   for path in "$libraries"/*; do
     name="${path##*/}"
     own="${name/.so/-surgtrack.so}"
-    [[ "$name" != libopencv_* ]] || own="$name"
+    [[ "$name" != libopencv_videoio_ffmpeg* ]] || own="$name"   # looked for by its name
     chmod u+w "$path"
     if [[ "$own" != "$name" ]]; then
       mv "$path" "$libraries/$own"
@@ -146,7 +146,7 @@ gathers() {
 
 make_wheel() {
   local work tree libraries licenses part file numpy tag renames=()
-  CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO" -DBUILD_LIST=surgtrack,python3 -DBUILD_EXAMPLES=OFF -DBUILD_TESTS=OFF -DBUILD_opencv_python3=ON
+  CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO" "-DBUILD_LIST=surgtrack,python3" -DBUILD_EXAMPLES=OFF -DBUILD_TESTS=OFF -DBUILD_opencv_python3=ON
     "-DPYTHON3_EXECUTABLE=$PYTHON" -DPYTHON3_PACKAGES_PATH=python -DCMAKE_INSTALL_LIBDIR=lib -DCMAKE_DISABLE_FIND_PACKAGE_VTK=ON)
   WITHOUT+=(GTK)
   builds wheel opencv_python3 opencv_videoio_ffmpeg opencv_surgtrack
@@ -164,13 +164,8 @@ make_wheel() {
   mv "$work/installed/python/cv2" "$tree"
   # In a wheel libraries are found by their RUNPATH alone.
   echo 'BINARIES_PATHS = []' >"$tree/cv2/config.py"
-  for file in "$work/installed/lib"/*.so*; do   # under the names they are loaded by
+  for file in "$work/installed/lib"/*.so* "$BUILD_DIR/ffmpeg/lib"/*.so.*; do   # under the names they are loaded by
     [[ -L "$file" ]] || cp "$file" "$libraries/$(patchelf --print-soname "$file" | grep . || basename "$file")"
-  done
-  cp "$BUILD_DIR/ffmpeg/lib"/lib{avcodec,avformat,avutil,swscale}.so.[0-9][0-9]* "$libraries" 2>/dev/null || cp -P "$BUILD_DIR/ffmpeg/lib"/*.so.* "$libraries"
-  find "$libraries" -type l -delete
-  for file in "$libraries"/lib{avcodec,avformat,avutil,swscale}.so.*; do
-    mv -n "$file" "$libraries/$(patchelf --print-soname "$file")" 2>/dev/null || true
   done
   cp "$REPO/LICENSE" "$licenses/surgtrack"
   cp "$OPENCV_SOURCE/LICENSE" "$licenses/opencv"
