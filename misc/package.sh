@@ -139,13 +139,14 @@ gathers() {
     if [[ "$own" != "$name" ]]; then
       mv "$path" "$libraries/$own"
       patchelf --set-soname "$own" "$libraries/$own"
-      renames+=(--replace-needed "$name" "$own")
+      renames["$name"]="$own"
     fi
   done
 }
 
 make_wheel() {
-  local work tree libraries licenses part file numpy tag renames=()
+  local work tree libraries licenses part file numpy tag
+  local -A renames=()
   CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO" "-DBUILD_LIST=surgtrack,python3" -DBUILD_EXAMPLES=OFF -DBUILD_TESTS=OFF -DBUILD_opencv_python3=ON
     "-DPYTHON3_EXECUTABLE=$PYTHON" -DPYTHON3_PACKAGES_PATH=python -DCMAKE_INSTALL_LIBDIR=lib -DCMAKE_DISABLE_FIND_PACKAGE_VTK=ON)
   WITHOUT+=(GTK)
@@ -174,7 +175,10 @@ make_wheel() {
   for file in "$libraries"/* "$tree"/cv2/python-*/*.so; do
     part="\$ORIGIN"
     [[ "$file" == "$libraries"/* ]] || part="\$ORIGIN/../../opencv_surgtrack.libs"
-    patchelf "${renames[@]}" --set-rpath "$part" "$file"
+    patchelf --set-rpath "$part" "$file"
+    while read -r part; do   # one by one: patchelf 0.14 spoils several at once
+      [[ -z "${renames[$part]:-}" ]] || patchelf --replace-needed "$part" "${renames[$part]}" "$file"
+    done < <(patchelf --print-needed "$file")
   done
   numpy="$("$PYTHON" -c 'import numpy; v = numpy.__version__.split("."); print("numpy >= %s.%s, < %d" % (v[0], v[1], int(v[0]) + 1))')"
   tag="$("$PYTHON" -c 'import os, sys, sysconfig

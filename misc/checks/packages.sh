@@ -69,7 +69,7 @@ check_wheel() {
   python_program "$root"
   checked "wheel: a sequence" inside "$root" /venv/bin/python -c '
 import cv2, os
-params = cv2.surgtrack.SyntheticScene_Params()
+params = cv2.surgtrack.SyntheticScene.Params()
 params.frames = 10
 os.makedirs("/work/demo")
 cv2.surgtrack.SyntheticScene.create(params=params).write("/work/demo/sequence")'
