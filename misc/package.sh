@@ -74,10 +74,12 @@ make_deb() {
   done
   cat >"$BUILD_DIR/surgtrack-cpack.cmake" <<CPACK
 set(CPACK_GENERATOR DEB)
+set(CPACK_CMAKE_GENERATOR Ninja)
 set(CPACK_PACKAGE_NAME $NAME)
 set(CPACK_PACKAGE_VERSION $VERSION)
 set(CPACK_PACKAGE_FILE_NAME ${NAME}_${VERSION}_$architecture)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "$SUMMARY")
+set(CPACK_PACKAGE_DESCRIPTION "Library, programs, Python's part, documentation and an example, in $WHERE. It brings a cv2 of its own: PYTHONPATH=$WHERE/lib/python3/dist-packages")
 set(CPACK_PACKAGE_CONTACT "${MAINTAINER:-$NAME <root@localhost>}")
 set(CPACK_PACKAGE_VENDOR $NAME)
 set(CPACK_INSTALL_CMAKE_PROJECTS "$projects")
