@@ -66,7 +66,7 @@ make_deb() {
   local architecture part projects=''
   architecture="$(dpkg --print-architecture)"
   CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO" "-DBUILD_LIST=surgtrack,highgui,python3" -DBUILD_EXAMPLES=ON -DBUILD_TESTS=OFF -DBUILD_opencv_python3=ON
-    "-DPYTHON3_EXECUTABLE=$PYTHON" -DPYTHON3_PACKAGES_PATH=lib/python3/dist-packages -DCMAKE_INSTALL_LIBDIR=lib -DHIGHGUI_PLUGIN_LIST=gtk3)
+    "-DPYTHON3_EXECUTABLE=$PYTHON" -DPYTHON3_PACKAGES_PATH:STRING=lib/python3/dist-packages -DCMAKE_INSTALL_LIBDIR:STRING=lib -DHIGHGUI_PLUGIN_LIST=gtk3)
   builds deb all
   step "Packing $NAME.deb"
   for part in "${PARTS[@]}" dev samples docs; do
@@ -150,7 +150,7 @@ make_wheel() {
   local work tree libraries licenses part file numpy tag
   local -A renames=()
   CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO" "-DBUILD_LIST=surgtrack,python3" -DBUILD_EXAMPLES=OFF -DBUILD_TESTS=OFF -DBUILD_opencv_python3=ON
-    "-DPYTHON3_EXECUTABLE=$PYTHON" -DPYTHON3_PACKAGES_PATH=python -DCMAKE_INSTALL_LIBDIR=lib -DCMAKE_DISABLE_FIND_PACKAGE_VTK=ON)
+    "-DPYTHON3_EXECUTABLE=$PYTHON" -DPYTHON3_PACKAGES_PATH:STRING=python -DCMAKE_INSTALL_LIBDIR:STRING=lib -DCMAKE_DISABLE_FIND_PACKAGE_VTK=ON)
   WITHOUT+=(GTK)
   builds wheel opencv_python3 opencv_videoio_ffmpeg opencv_surgtrack
   make_ffmpeg "$BUILD_DIR/ffmpeg"

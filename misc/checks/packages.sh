@@ -11,10 +11,12 @@ makes_root() {
   mmdebstrap --variant=apt --include="$(IFS=,; echo "$*")" "$(. /etc/os-release; echo "$VERSION_CODENAME")" "$root" - <<<"$sources"
 }
 
+# inside ROOT COMMAND...: with /proc, by which a program finds the libraries beside it.
 inside() {
   local root="$1"
   shift
-  chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"
+  # shellcheck disable=SC2016
+  unshare --mount sh -c 'mount -t proc proc "$0/proc" && exec chroot "$0" "$@"' "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"
 }
 
 # checked NAME COMMAND...
