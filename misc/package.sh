@@ -90,10 +90,14 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_OUTPUT_FILE_PREFIX "$PACKAGES_DIR")
 set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE $architecture)
 set(CPACK_DEBIAN_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA "$BUILD_DIR/prerm")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "$BUILD_DIR/lib")
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "python3 (>= $PYTHON_VERSION), python3 (<< ${PYTHON_VERSION%.*}.$((${PYTHON_VERSION#*.} + 1))), python3-numpy")
 CPACK
+  # What Python has compiled there since.
+  printf '#!/bin/sh\nset -e\nfind %s -name __pycache__ -prune -exec rm -rf {} +\n' "$WHERE" >"$BUILD_DIR/prerm"
+  chmod 755 "$BUILD_DIR/prerm"
   (cd "$BUILD_DIR" && run_logged "$LOGS/cpack.log" "CPack failed" cpack --config surgtrack-cpack.cmake)
 }
 
