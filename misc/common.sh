@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Shared by demo.sh, test.sh, package.sh and compare_peers.sh: packages, OpenCV's source, configuration and build. To be sourced, not run.
 #
-# Tried on Debian 12. Elsewhere:
+# Tried on Debian 12. Elsewhere, by what these have:
 #   Ubuntu 24.04  as it is
 #   Ubuntu 22.04  its OpenCV is too old: the fixed release is cloned
 #   Fedora        packages are not installed, only looked for; what to install is said
@@ -56,6 +56,7 @@ PROCESSOR=()
 # Of libraries, programs and Python's part, as seen from where they are: what is installed may be moved.
 # shellcheck disable=SC2016
 INSTALL_RPATH='$ORIGIN;$ORIGIN/../lib;$ORIGIN/../../../..'
+[[ $(uname) != Darwin ]] || INSTALL_RPATH="${INSTALL_RPATH//\$ORIGIN/@loader_path}"
 
 step() { printf '\n== %s\n' "$*"; }
 die() { trap - ERR; echo "error: $*" >&2; exit 1; }
