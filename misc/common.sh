@@ -1,6 +1,16 @@
 #!/usr/bin/env bash
-# Shared by demo.sh, test.sh and compare_peers.sh: packages, OpenCV's source, configuration and build. To be sourced, not run.
+# Shared by demo.sh, test.sh, package.sh and compare_peers.sh: packages, OpenCV's source, configuration and build. To be sourced, not run.
+#
+# Tried on Debian 12. Elsewhere, by what these have:
+#   Ubuntu 24.04  as it is
+#   Ubuntu 22.04  its OpenCV is too old: the fixed release is cloned
+#   Fedora        packages are not installed, only looked for; what to install is said
+#   macOS         the same, by Homebrew; its bash is too old, Homebrew has another; no windows, no package.sh
 
+if [[ -z "${BASH_VERSINFO:-}" ]] || ((BASH_VERSINFO[0] * 100 + BASH_VERSINFO[1] < 404)); then
+  echo "error: bash 4.4 or newer is needed, this is ${BASH_VERSION:-none} (macOS: brew install bash)" >&2
+  exit 1
+fi
 set -Eeuo pipefail
 trap 'echo "error: ${BASH_SOURCE[0]}, line $LINENO: $BASH_COMMAND" >&2' ERR
 
@@ -9,11 +19,12 @@ BUILD_DIR="${BUILD_DIR:-$REPO/build}"
 mkdir -p "$BUILD_DIR" || { echo "error: cannot make the build folder $BUILD_DIR" >&2; exit 1; }
 BUILD_DIR="$(cd "$BUILD_DIR" && pwd -P)"
 LOGS="$BUILD_DIR/logs"
-# The Python that OpenCV's bindings are built for: that in PATH (venv, conda) if it has numpy and its headers, else the distribution's.
-PYTHON="$(python3 -c 'import numpy, os, sys, sysconfig
+# The Python that OpenCV's bindings are built for: PYTHON, else that in PATH (venv, conda) if it has numpy and its headers, else the distribution's.
+PYTHON="${PYTHON:-}"
+[[ -n "$PYTHON" ]] || PYTHON="$(python3 -c 'import numpy, os, sys, sysconfig
 if os.path.exists(os.path.join(sysconfig.get_paths()["include"], "Python.h")): print(sys.executable)' 2>/dev/null || true)"
 PYTHON="${PYTHON:-/usr/bin/python3}"
-JOBS="${JOBS:-$(nproc)}"
+JOBS="${JOBS:-$(nproc 2>/dev/null || getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)}"
 
 if [[ -z "${SURGTRACK_DATA:-}" && -d "$REPO/../shared/data" ]]; then
   SURGTRACK_DATA="$(cd "$REPO/../shared/data" && pwd -P)"
@@ -27,6 +38,9 @@ CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO"
   -DBUILD_TESTS=ON -DOPENCV_BUILD_TEST_MODULES_LIST=surgtrack
   -DBUILD_opencv_python3=ON "-DPYTHON3_EXECUTABLE=$PYTHON")
 
+# What is cloned where the distribution has no source of OpenCV.
+RELEASE=4.10.0
+
 # Parts of OpenCV that nothing here uses.
 WITHOUT=(ADE IPP ITT QUIRC OPENCL PROTOBUF CUDA 1394 GSTREAMER LAPACK TIFF WEBP OPENJPEG JASPER OPENEXR GDAL VA VA_INTEL EIGEN VTK)
 
@@ -35,6 +49,14 @@ WITHOUT=(ADE IPP ITT QUIRC OPENCL PROTOBUF CUDA 1394 GSTREAMER LAPACK TIFF WEBP 
 PACKAGES=(build-essential dpkg-dev cmake ninja-build ccache libvtk9-dev libeigen3-dev
   libassimp-dev libmeshoptimizer-dev nlohmann-json3-dev liburdfdom-dev libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libjpeg-dev libpng-dev zlib1g-dev
   libgtk-3-dev python3-dev python3-numpy xvfb xauth libegl1 libgl1-mesa-dri)
+
+# Options for other processors than that of this machine.
+PROCESSOR=()
+
+# Of libraries, programs and Python's part, as seen from where they are: what is installed may be moved.
+# shellcheck disable=SC2016
+INSTALL_RPATH='$ORIGIN;$ORIGIN/../lib;$ORIGIN/../../../..'
+[[ $(uname) != Darwin ]] || INSTALL_RPATH="${INSTALL_RPATH//\$ORIGIN/@loader_path}"
 
 step() { printf '\n== %s\n' "$*"; }
 die() { trap - ERR; echo "error: $*" >&2; exit 1; }
@@ -84,6 +106,12 @@ ensure_tools() {
     command -v pkg-config >/dev/null || install_packages pkg-config
   else
     echo "no apt here: packages are not installed, only looked for"
+    if command -v dnf >/dev/null; then
+      echo "Fedora: dnf install gcc-c++ cmake ninja-build ccache git pkgconf-pkg-config vtk-devel eigen3-devel assimp-devel meshoptimizer-devel" \
+        "json-devel urdfdom-devel ffmpeg-free-devel libjpeg-turbo-devel libpng-devel zlib-devel gtk3-devel python3-devel python3-numpy"
+    elif command -v brew >/dev/null; then
+      echo "macOS: brew install cmake ninja ccache pkg-config vtk eigen assimp meshoptimizer nlohmann-json urdfdom ffmpeg jpeg-turbo libpng numpy"
+    fi
   fi
   for tool in c++ cmake pkg-config "$PYTHON"; do
     command -v "$tool" >/dev/null || missing+=("$tool")
@@ -106,11 +134,12 @@ at_least_4_6() {
   [[ "$major" =~ ^[0-9]+$ && "$minor" =~ ^[0-9]+$ ]] && ((major > 4 || (major == 4 && minor >= 6)))
 }
 
-# Fetches the newest source package of OpenCV the distribution has, with its patches, into $1. The user's apt sources are
-# read, not changed: a copy of them, deb turned into deb-src, serves an apt configuration that is thrown away afterwards.
+# Fetches a source package of the distribution, with its patches, into the folder $1: OpenCV's newest, or package $2 in version $3. The user's apt
+# sources are read, not changed: a copy of them, deb turned into deb-src, serves an apt configuration that is thrown away afterwards.
 fetch_source_package() {
-  local destination="$1" work="$BUILD_DIR/opencv-fetch" list='' parts='' file version best='' settings log
-  log="$LOGS/opencv-source.log"
+  local destination="$1" package="${2:-opencv}" best="${3:-}" work list='' parts='' file version settings log
+  work="$BUILD_DIR/$package-fetch"
+  log="$LOGS/$package-source.log"
   rm -rf "$work"
   mkdir -p "$work/sources.list.d" "$work/lists/partial" "$work/cache/archives/partial" "$work/src"
   eval "$(apt-config shell list Dir::Etc::sourcelist/f parts Dir::Etc::sourceparts/d)"
@@ -143,7 +172,7 @@ Acquire::Retries "3";
 CONF
 
   apt-get -c "$settings" update >"$log" 2>&1 || true     # sources of third parties may fail; what counts is the next line
-  while read -r version; do
+  [[ -n "$best" ]] || while read -r version; do
     at_least_4_6 "$version" || continue
     if [[ -z "$best" ]] || dpkg --compare-versions "$version" gt "$best"; then best="$version"; fi
   done < <(apt-cache -c "$settings" showsrc --only-source opencv 2>>"$log" | awk '$1 == "Version:" { print $2 }' || true)
@@ -151,14 +180,14 @@ CONF
     echo "no source package of OpenCV 4.6 or newer is to be had from the distribution (log: $log)" >&2
     return 1
   fi
-  echo "source package opencv $best"
-  if ! (cd "$work/src" && apt-get -c "$settings" source --only-source "opencv=$best") >>"$log" 2>&1; then
+  echo "source package $package $best"
+  if ! (cd "$work/src" && apt-get -c "$settings" source --only-source "$package=$best") >>"$log" 2>&1; then
     tail -n 10 "$log" >&2
-    echo "apt-get source opencv=$best failed (log: $log)" >&2
+    echo "apt-get source $package=$best failed (log: $log)" >&2
     return 1
   fi
-  for file in "$work/src"/opencv-*/; do
-    [[ -f "$file/CMakeLists.txt" ]] || continue
+  for file in "$work/src/$package"-*/; do
+    [[ -d "$file" ]] || continue
     rm -rf "$destination"
     mv "${file%/}" "$destination"
     rm -rf "$work"
@@ -175,7 +204,7 @@ clone_source() {
   command -v git >/dev/null || die "git was not found and no source package is to be had: set OPENCV_SOURCE"
   run_logged "$LOGS/opencv-source.log" \
     "OpenCV's source could not be fetched; is there a network? OPENCV_SOURCE names a source tree to use instead" \
-    git clone --depth 1 -b 4.x https://github.com/opencv/opencv "$work"
+    git clone --depth 1 -b "$RELEASE" https://github.com/opencv/opencv "$work"
   rm -rf "$destination"
   mv "$work" "$destination"
 }
@@ -194,7 +223,7 @@ ensure_source() {
       free="$(df -Pk "$BUILD_DIR" | awk 'NR == 2 { print int($4 / 1024) }')"
       [[ "$free" -ge 2500 ]] || die "$BUILD_DIR has $free MB left; source and build need 2500 MB"
       if ! have_apt || ! fetch_source_package "$OPENCV_SOURCE"; then
-        echo "cloning https://github.com/opencv/opencv, branch 4.x"
+        echo "cloning https://github.com/opencv/opencv, release $RELEASE"
         clone_source "$OPENCV_SOURCE"
       fi
     fi
@@ -221,14 +250,17 @@ configure() {
     "${CONFIGURATION[@]}"
     -DBUILD_PERF_TESTS=ON -DOPENCV_BUILD_PERF_TEST_MODULES_LIST=surgtrack
     -DBUILD_opencv_python2=OFF -DBUILD_JAVA=OFF -DBUILD_DOCS=OFF -DBUILD_opencv_apps=OFF -DENABLE_PRECOMPILED_HEADERS=OFF -DWITH_FFMPEG=ON
-    -DVIDEOIO_PLUGIN_LIST=ffmpeg)   # loaded when a video is opened: FFmpeg brings a hundred libraries along
+    -DVIDEOIO_PLUGIN_LIST=ffmpeg   # loaded when a video is opened: FFmpeg brings a hundred libraries along
+    "-DCMAKE_INSTALL_RPATH=$INSTALL_RPATH")
   for off in "${WITHOUT[@]}"; do
     options+=("-DWITH_$off=OFF")
   done
   # Cameras and a window for `live`, where the system has them. Not Qt: OpenCV 4.6 does not compile with it unless OpenGL is on, too.
   options+=(-DWITH_V4L=ON -DWITH_GTK=ON -DWITH_QT=OFF)
   # Without AVX2 OpenCV's own default: a program built for AVX2 does not start on an older processor.
-  if has_avx2; then
+  if [[ ${#PROCESSOR[@]} -gt 0 ]]; then
+    options+=("${PROCESSOR[@]}")
+  elif has_avx2; then
     options+=(-DCPU_BASELINE=AVX2 -DCPU_DISPATCH=AVX512_SKX)
   else
     options+=(-UCPU_BASELINE -UCPU_DISPATCH)

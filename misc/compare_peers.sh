@@ -22,7 +22,7 @@ Leaves in the build folder:
 environment:
   BUILD_DIR               build folder, kept for the next run (default: build-peers/ in the repository)
   OPENCV_SOURCE           OpenCV source tree, 4.6 or newer (default: that of build/, else the distribution's source package,
-                          else a git clone of 4.x)
+                          else a git clone of 4.10.0)
   OPENCV_CONTRIB_SOURCE   opencv_contrib source tree of the same version (default: OPENCV_SOURCE/contrib, where Debian's
                           source package has it, else a git clone)
   SEQUENCES               folders of sequences with groundtruth.csv, separated by commas (default: none)

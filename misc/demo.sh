@@ -19,8 +19,9 @@ Leaves in demo/:
 environment:
   DEMO_DIR        output folder (default: demo/ in the repository)
   BUILD_DIR       build folder, kept for the next run (default: build/ in the repository)
-  OPENCV_SOURCE   OpenCV source tree, 4.6 or newer (default: the distribution's source package, else a git clone of 4.x)
+  OPENCV_SOURCE   OpenCV source tree, 4.6 or newer (default: the distribution's source package, else a git clone of 4.10.0)
   JOBS            parallel compilations (default: number of processors)
+  PYTHON          interpreter that the bindings are built for (default: python3 in PATH, if it has numpy and headers)
 TEXT
 }
 

@@ -13,9 +13,10 @@ code is 0 if nothing failed.
 
 environment:
   BUILD_DIR       build folder, kept for the next run (default: build/ in the repository)
-  OPENCV_SOURCE   OpenCV source tree, 4.6 or newer (default: the distribution's source package, else a git clone of 4.x)
+  OPENCV_SOURCE   OpenCV source tree, 4.6 or newer (default: the distribution's source package, else a git clone of 4.10.0)
   SURGTRACK_DATA  folder with tools/ and sequences/ for the tests on recorded data (without it they are skipped)
   JOBS            parallel compilations (default: number of processors)
+  PYTHON          interpreter that the bindings are built for (default: python3 in PATH, if it has numpy and headers)
   CCACHE_DIR      as ever
 TEXT
 }
@@ -155,7 +156,7 @@ while v.read()[0]:
 assert n == int(sys.argv[2]), "%d frames" % n' "$1" "$2"
 }
 
-for checks in wings without_vtk evaluation cluster python_docs stereo rig import look handeye live manners confidence docs; do
+for checks in wings without_vtk evaluation cluster python_docs stereo rig import look handeye live manners confidence docs install versions; do
   # shellcheck source=/dev/null
   source "$REPO/misc/checks/$checks.sh"
 done
@@ -203,6 +204,8 @@ run_samples() {
   run_manners "$work"
   run_confidence "$work"
   run_docs "$work"
+  run_install "$work"
+  run_versions "$work"
   sample "refused: no such sequence" refuses "$work/none" "$track" --sequence="$work/none"
   sample "refused: no such method" refuses method "$track" --sequence="$work/sequence" --method=none
   sample "refused: output folder missing" refuses "$work/none/poses.csv" "$track" --sequence="$work/sequence" \
@@ -214,8 +217,8 @@ run_samples() {
   count "samples" "$sample_passed" "$sample_failed" 0
 }
 
-# For the checks of plots, of the cluster and of the type stubs; without them these are skipped.
-PACKAGES+=(python3-matplotlib python3-distributed mypy)
+# For the checks of plots, of the cluster, of the type stubs and for ARM; without them these are skipped.
+PACKAGES+=(python3-matplotlib python3-distributed mypy g++-aarch64-linux-gnu)
 prepare
 build opencv_surgtrack opencv_test_surgtrack opencv_perf_surgtrack opencv_samples_surgtrack opencv_python3
 

@@ -41,8 +41,9 @@ static void describe(const ToolModel& model)
             keypoints += model.keypoints()[k].link == (int)i;
         const Mesh& mesh = model.meshes()[link.mesh];
         Mat low, high;
-        reduce(Mat(mesh.vertices).reshape(1), low, 0, REDUCE_MIN);
-        reduce(Mat(mesh.vertices).reshape(1), high, 0, REDUCE_MAX);
+        const Mat vertices = Mat(mesh.vertices).reshape(1, (int)mesh.vertices.size());
+        reduce(vertices, low, 0, REDUCE_MIN);
+        reduce(vertices, high, 0, REDUCE_MAX);
         const Mat_<float> size = high - low;
         std::printf("  link %-20s %6d triangles, %.1f x %.1f x %.1f mm, %d keypoints\n", link.name.c_str(), (int)mesh.triangles.size(), 1e3 * size(0), 1e3 * size(1),
                     1e3 * size(2), keypoints);

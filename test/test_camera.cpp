@@ -3,11 +3,6 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "test_common.hpp"
-#if CV_VERSION_MAJOR >= 5
-#include "opencv2/geometry.hpp"
-#else
-#include "opencv2/calib3d.hpp"
-#endif
 
 namespace opencv_test { namespace {
 
@@ -64,12 +59,12 @@ TEST(SurgTrack_Camera, acceptsPointsInEveryShape)
     Mat expected, result;
     camera.projectPoints(points, expected);
 
-    camera.projectPoints(Mat(points).reshape(1), result);                       // N x 3
+    camera.projectPoints(Mat(points).reshape(1, 7), result);                       // N x 3
     EXPECT_EQ(0, cvtest::norm(expected, result, NORM_INF));
     camera.projectPoints(Mat(points).reshape(3, 1), result);                    // 1 x N, 3 channels
     EXPECT_EQ(0, cvtest::norm(expected, result, NORM_INF));
     Mat wide(7, 5, CV_64F, Scalar(-1)), inner = wide.colRange(1, 4);
-    Mat(points).reshape(1).copyTo(inner);
+    Mat(points).reshape(1, 7).copyTo(inner);
     camera.projectPoints(inner, result);                                        // with a stride
     EXPECT_EQ(0, cvtest::norm(expected, result, NORM_INF));
     camera.projectPoints(std::vector<Point3f>(points.begin(), points.end()), result);

@@ -6,6 +6,11 @@
 #define OPENCV_SURGTRACK_TEST_COMMON_HPP
 
 #include "test_precomp.hpp"
+#if CV_VERSION_MAJOR >= 5   // distances and rectangles too are there
+#include "opencv2/geometry.hpp"
+#else
+#include "opencv2/calib3d.hpp"
+#endif
 
 #include <fstream>
 #include <limits>
@@ -80,10 +85,25 @@ inline Point3d transformed(const Matx44d& T, const Point3d& p)
     return Point3d(v[0], v[1], v[2]);
 }
 
+// Numbers one after another, the last first. In the arguments of a call compilers draw them in different orders.
+template <int n> inline Vec<double, n> uniform(RNG& rng, const Vec<double, n>& low, const Vec<double, n>& high)
+{
+    Vec<double, n> v;
+    for (int i = n - 1; i >= 0; i--) v[i] = rng.uniform(low[i], high[i]);
+    return v;
+}
+
+template <int n> inline Vec<double, n> gaussian(RNG& rng, double deviation)
+{
+    Vec<double, n> v;
+    for (int i = n - 1; i >= 0; i--) v[i] = rng.gaussian(deviation);
+    return v;
+}
+
 inline Vec3d randomDirection(RNG& rng)
 {
     Vec3d v;
-    do v = Vec3d(rng.gaussian(1), rng.gaussian(1), rng.gaussian(1));
+    do v = gaussian<3>(rng, 1);
     while (cv::norm(v) < 1e-3);
     return v * (1 / cv::norm(v));
 }

@@ -21,7 +21,7 @@ struct Candidates
         // No two parts nearer than 25 pixels, as on a tool.
         while (int(predicted.size()) < parts)
         {
-            const Point2d p(rng.uniform(200., 420.), rng.uniform(150., 370.));
+            const Point2d p(uniform(rng, Vec2d(200, 150), Vec2d(420, 370)));
             bool apart = true;
             for (const Point2d& q : predicted) apart = apart && cv::norm(p - q) > 25;
             if (apart) predicted.push_back(p);
@@ -47,14 +47,15 @@ struct Candidates
 
     void putTrue(int part, double noise)
     {
-        put(part, truth(part) + Point2d(rng.gaussian(noise), rng.gaussian(noise)), rng.uniform(0.65, 0.95));
+        const double similarity = rng.uniform(0.65, 0.95);
+        put(part, truth(part) + Point2d(gaussian<2>(rng, noise)), similarity);
     }
 
     // At least 20 pixels off.
     void putFalse(int part)
     {
         Point2d at;
-        do at = truth(part) + Point2d(rng.uniform(-60., 60.), rng.uniform(-60., 60.));
+        do at = truth(part) + Point2d(uniform(rng, Vec2d(-60, -60), Vec2d(60, 60)));
         while (cv::norm(at - truth(part)) < 20);
         put(part, at, rng.uniform(0.5, 0.8));
     }
@@ -76,7 +77,7 @@ Candidates mixture(int seed)
     Candidates c(10, seed);
     c.scale = c.rng.uniform(0.97, 1.03);
     c.rotation = c.rng.uniform(-0.1, 0.1);
-    c.shift = Point2d(c.rng.uniform(-20., 20.), c.rng.uniform(-20., 20.));
+    c.shift = Point2d(uniform(c.rng, Vec2d(-20, -20), Vec2d(20, 20)));
     for (int part = 0; part < 10; part++)
     {
         if (part < 8) c.putTrue(part, 1);
@@ -206,7 +207,7 @@ TEST(SurgTrack_GeometricContext, matchesThatDoNotAgreeGiveNothing)
     for (int seed = 1; seed <= 100; seed++)
     {
         Candidates random(8, seed);
-        for (int part = 0; part < 8; part++) random.put(part, Point2d(random.rng.uniform(0., 720.), random.rng.uniform(0., 576.)), 0.9 - 0.01 * part);
+        for (int part = 0; part < 8; part++) random.put(part, Point2d(uniform(random.rng, Vec2d(), Vec2d(720, 576))), 0.9 - 0.01 * part);
         found += Verifier::create()->verify(random.matches, inliers);
     }
     EXPECT_LE(found, 3);   // measured: 0; four of eight places agree by chance now and again

@@ -22,23 +22,29 @@ struct Recording
     Recording(uint64 seed, int setup, int poses, double shiftNoise = 0, double angleNoise = 0, double tilt = 30 * degree, double roll = 50 * degree)
     {
         RNG rng(seed);
-        camera_T_mount = rigid(rotationMatrix(randomDirection(rng) * rng.uniform(0., 3.)), Point3d(0.05, -0.08, 0.03));
-        holder_T_board = rigid(rotationMatrix(randomDirection(rng) * rng.uniform(0., 3.)), Point3d(0.004, 0.002, 0.01));
+        camera_T_mount = rigid(randomRotation(rng), Point3d(0.05, -0.08, 0.03));
+        holder_T_board = rigid(randomRotation(rng), Point3d(0.004, 0.002, 0.01));
         for (int i = 0; i < poses; i++)
         {
             const double direction = rng.uniform(-CV_PI, CV_PI), angle = tilt * std::sqrt(rng.uniform(0., 1.));
             const Matx33d R = rotationMatrix(Vec3d(std::cos(direction), std::sin(direction), 0) * angle) * rotationMatrix(Vec3d(0, 0, rng.uniform(-roll, roll)));
-            const Matx44d T = rigid(R, Point3d(rng.uniform(-0.02, 0.02), rng.uniform(-0.015, 0.015), rng.uniform(0.08, 0.12)));
+            const Matx44d T = rigid(R, Point3d(uniform(rng, Vec3d(-0.02, -0.015, 0.08), Vec3d(0.02, 0.015, 0.12))));
             const Matx44d M = camera_T_mount.inv() * T * holder_T_board.inv();
             robot.push_back(setup == HAND_EYE_BOARD_ON_TOOL ? M : Matx44d(M.inv()));
             board.push_back(disturbed(T, rng, shiftNoise, angleNoise));
         }
     }
 
+    static Matx33d randomRotation(RNG& rng)
+    {
+        const double angle = rng.uniform(0., 3.);
+        return rotationMatrix(randomDirection(rng) * angle);
+    }
+
     static Matx44d disturbed(const Matx44d& T, RNG& rng, double shift, double angle)
     {
-        const Matx44d turn = rigid(rotationMatrix(Vec3d(rng.gaussian(1), rng.gaussian(1), rng.gaussian(1)) * angle), Point3d());
-        const Vec3d d = Vec3d(rng.gaussian(1), rng.gaussian(1), rng.gaussian(1)) * shift;
+        const Matx44d turn = rigid(rotationMatrix(gaussian<3>(rng, 1) * angle), Point3d());
+        const Vec3d d = gaussian<3>(rng, 1) * shift;
         Matx44d result = T * turn;    // about the board's own origin
         for (int i = 0; i < 3; i++) result(i, 3) += d[i];
         return result;

@@ -17,8 +17,8 @@ Matx61d stateOf(double rx, double ry, double rz, double tx, double ty, double tz
 Mat keypointsOf(int pose)
 {
     RNG rng(1000 + pose);
-    const PosedTool tool(rng.uniform(0.08, 0.13), rng.uniform(-3., 3.), rng.uniform(0.9, 1.6), rng.uniform(-0.5, 0.5),
-                         Point2d(rng.uniform(-0.015, 0.015), rng.uniform(-0.01, 0.01)));
+    const Vec6d v = uniform(rng, Vec6d(0.08, -3, 0.9, -0.5, -0.015, -0.01), Vec6d(0.13, 3, 1.6, 0.5, 0.015, 0.01));
+    const PosedTool tool(v[0], v[1], v[2], v[3], Point2d(v[4], v[5]));
     const int n = int(tool.model->keypoints().size());
     Mat points(n, 3, CV_64F);
     for (int i = 0; i < n; i++) *points.ptr<Point3d>(i) = tool.keypoint(i);

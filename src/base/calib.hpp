@@ -7,9 +7,10 @@
 
 #include "opencv2/core/version.hpp"
 
-// Rodrigues(), solvePnP(), calibrateHandEye(), boards: OpenCV 5 split calib3d.
+// Rodrigues(), solvePnP(), calibrateHandEye(), boards, corners, distances: OpenCV 5 split calib3d, and imgproc.
 #if CV_VERSION_MAJOR >= 5
 #include "opencv2/calib.hpp"
+#include "opencv2/features.hpp"
 #include "opencv2/geometry.hpp"
 #include "opencv2/objdetect.hpp"
 #else

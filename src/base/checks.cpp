@@ -21,7 +21,7 @@ Mat asRows(InputArray values, int channels, const char* name)
     if (!m.isContinuous()) m = m.clone();
     const bool vectorOfPoints = m.channels() == channels && (m.rows == 1 || m.cols == 1);
     const bool rows = m.channels() == 1 && (m.cols == channels || (m.rows == channels && m.cols == 1));
-    if (m.dims != 2 || (!vectorOfPoints && !rows))
+    if (m.dims > 2 || (!vectorOfPoints && !rows))
         CV_Error(Error::StsBadSize, format("%s must be N x %d or N points of %d channels, is %d x %d with %d channels", name, channels,
                                            channels, m.rows, m.cols, m.channels()));
     m = m.reshape(1, int(m.total() * m.channels() / channels));

@@ -67,7 +67,7 @@ public:
         : imageSize_(full.imageSize()), reduction_(std::max(1, imageSize_.width / referenceWidth)), camera_(reduceCamera(full, reduction_)),
           cameraOfSmall_(enlargeCamera(camera_, 2)),
           pixelScale_(camera_.imageSize().width / double(referenceWidth)), eye_T_camera_(eye_T_camera), moved_(eye_T_camera != Matx44d::eye()), interlaced_(false),
-          preparedEnlargement_(1), templates_(templates), matcher_(matcher)
+          templates_(templates), matcher_(matcher), preparedEnlargement_(1)
     {
         CV_Assert(templates);
         CV_Assert(matcher);

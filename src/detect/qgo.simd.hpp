@@ -152,7 +152,7 @@ inline void orient(const Gradient& g, const v_int16& belowStrength, v_int16& bit
     const v_int16 opposite = greater(vx_setzero_s16(), bxor(g.x, g.y));
     // Each mask implies those before it: 1, 2, 4, 8, 16 if the signs agree, else 1, 128, 64, 32, 16.
     const v_int16 to1 = bxor(vx_setall_s16(1 ^ 2), band(opposite, vx_setall_s16(2 ^ 128)));
-    const v_int16 to2 = bxor(vx_setall_s16(2 ^ 4), band(opposite, vx_setall_s16(2 ^ 4 ^ 128 ^ 64)));
+    const v_int16 to2 = bxor(vx_setall_s16(4 ^ 2), band(opposite, vx_setall_s16(4 ^ 2 ^ 128 ^ 64)));
     const v_int16 to3 = bxor(vx_setall_s16(4 ^ 8), band(opposite, vx_setall_s16(4 ^ 8 ^ 64 ^ 32)));
     const v_int16 to4 = bxor(vx_setall_s16(8 ^ 16), band(opposite, vx_setall_s16(8 ^ 32)));
     bit = bxor(bxor(bxor(vx_setall_s16(1), band(m1, to1)), bxor(band(m2, to2), band(m3, to3))), band(m4, to4));

@@ -15,7 +15,7 @@ String besideFile(const String& filename, const String& path)
     return absolute ? path : filename.substr(0, filename.find_last_of("/\\") + 1) + path;
 }
 
-void NodeReader::fail(const String& what, int code) const
+void NodeReader::fail(const String& what, Error::Code code) const
 {
     CV_Error(code, filename_ + ": " + (path_.empty() ? "" : "key " + path_ + ": ") + what);
 }

@@ -23,7 +23,7 @@ public:
     {
     }
 
-    CV_NORETURN void fail(const String& what, int code = Error::StsParseError) const;
+    CV_NORETURN void fail(const String& what, Error::Code code = Error::StsParseError) const;
     CV_NORETURN void expected(const String& what) const;    //!< and there is something else, or nothing
 
     bool isThere() const { return !node_.empty(); }

@@ -13,7 +13,7 @@
 
 namespace cv { namespace surgtrack {
 
-void importError(const String& filename, const String& what, int code)
+void importError(const String& filename, const String& what, Error::Code code)
 {
     CV_Error(code, filename + ": " + what);
 }

@@ -12,7 +12,7 @@
 
 namespace cv { namespace surgtrack {
 
-CV_NORETURN void importError(const String& filename, const String& what, int code = Error::StsParseError);
+CV_NORETURN void importError(const String& filename, const String& what, Error::Code code = Error::StsParseError);
 
 //! The content of a text file, without byte order mark. @throws cv::Exception naming it
 String readTextFile(const String& filename);

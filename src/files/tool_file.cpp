@@ -139,7 +139,7 @@ void parseMeshes(const std::vector<NodeReader>& nodes, const std::vector<int>& o
         }
         catch (const cv::Exception& e)
         {
-            meshNodes[i].fail(e.err, e.code);
+            meshNodes[i].fail(e.err, (Error::Code)e.code);
         }
         const double length = longestSide(tool.meshes[i]);
         if (length > 10)   // [m]; in millimetres most are

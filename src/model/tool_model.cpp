@@ -175,8 +175,8 @@ void ToolModel::getMesh(int index, OutputArray vertices, OutputArray triangles) 
     CV_CheckGE(index, 0, "index: of a mesh");
     CV_CheckLT(index, (int)description_.meshes.size(), "index: of a mesh");
     const Mesh& mesh = description_.meshes[index];
-    Mat(mesh.vertices).reshape(1).copyTo(vertices);
-    Mat(mesh.triangles).reshape(1).copyTo(triangles);
+    Mat(mesh.vertices).reshape(1, (int)mesh.vertices.size()).copyTo(vertices);
+    Mat(mesh.triangles).reshape(1, (int)mesh.triangles.size()).copyTo(triangles);
 }
 
 void ToolModel::forwardKinematics(InputArray joints, std::vector<Matx44d>& base_T_link) const

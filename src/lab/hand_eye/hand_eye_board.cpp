@@ -96,7 +96,7 @@ bool findBoard(InputArray _image, const CameraModel& camera, const CalibrationBo
     }
     if (least == DBL_MAX) return false;
     error = least;
-    if (imagePoints.needed()) Mat(found).reshape(1).convertTo(imagePoints, CV_64F);
+    if (imagePoints.needed()) Mat(found).reshape(1, (int)found.size()).convertTo(imagePoints, CV_64F);
     return true;
 }
 

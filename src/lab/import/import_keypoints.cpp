@@ -154,8 +154,8 @@ int importSurgPoseKeypoints(const String& labels, const String& csv, const std::
         for (FileNodeIterator it = (*frame).begin(); it != (*frame).end(); ++it)
         {
             const FileNode point = *it;
-            if (point.isString() && ((String)point == "null" || (String)point == "~"))
-                continue;   // not seen
+            if (point.isNone() || (point.isString() && ((String)point == "null" || (String)point == "~")))
+                continue;   // not seen; OpenCV 5 knows null
             const String name = point.name(), path = "key " + frameName.substr(1) + "." + name.substr(1);
             const int number = name[0] == 'n' ? std::atoi(name.c_str() + 1) : 0;
             if (number < 1 || number > 14)

@@ -162,7 +162,7 @@ private:
                 tool_.links[i].coordinate = place[tool_.links[i].coordinate];
     }
 
-    CV_NORETURN void fail(const String& what, int code = Error::StsParseError) const { importError(filename_, what, code); }
+    CV_NORETURN void fail(const String& what, Error::Code code = Error::StsParseError) const { importError(filename_, what, code); }
 
     void addChildren(const urdf::LinkConstSharedPtr& link, int parent)
     {
@@ -278,7 +278,7 @@ private:
             }
             catch (const Exception& e)
             {
-                fail("link `" + link.name + "`: " + e.err, e.code);
+                fail("link `" + link.name + "`: " + e.err, (Error::Code)e.code);
             }
         }
         if (all.triangles.empty() && like_)

@@ -6,6 +6,7 @@
 #include "opencv2/imgproc.hpp"
 #include "opencv2/videoio.hpp"
 #include "opencv2/surgtrack/setup_check.hpp"
+#include "base/calib.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -19,7 +20,7 @@ void agreement(const Mat& one, const Mat& other, const std::vector<Point2f>& cor
     best.assign(corners.size(), -1);
     std::vector<Point2d> pixels(corners.begin(), corners.end());
     Mat found;
-    oneCamera.unprojectPoints(Mat(pixels).reshape(1), found);
+    oneCamera.unprojectPoints(pixels, found);
     const Mat_<double> rays = found.reshape(1, (int)corners.size());
     for (size_t i = 0; i < corners.size(); i++)
     {
@@ -35,7 +36,7 @@ void agreement(const Mat& one, const Mat& other, const std::vector<Point2f>& cor
         if (points.empty())
             continue;
         Mat pixelsThere;
-        otherCamera.projectPoints(Mat(points).reshape(1), pixelsThere);
+        otherCamera.projectPoints(points, pixelsThere);
         std::vector<Point2d> there;
         pixelsThere.reshape(2).copyTo(there);
         const Rect patch(cvRound(corners[i].x) - half, cvRound(corners[i].y) - half, 2 * half + 1, 2 * half + 1), all(Point(), one.size());

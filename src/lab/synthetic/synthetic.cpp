@@ -98,7 +98,8 @@ void SyntheticSceneImpl::prepareDrawing()
     disparity_ = cvRound(camera_.fx * BASELINE / TISSUE_DEPTH);
     tissue_ = makeTissue(Size(params_.imageSize.width + disparity_, params_.imageSize.height), rng);
     vignette_ = makeVignette(params_.imageSize);
-    sideLight_ = normalize(Vec3f((float)rng.uniform(-0.9, 0.9), (float)rng.uniform(-0.9, -0.4), -0.6f));
+    const float down = (float)rng.uniform(-0.9, -0.4), aside = (float)rng.uniform(-0.9, 0.9);
+    sideLight_ = normalize(Vec3f(aside, down, -0.6f));
 }
 
 void SyntheticSceneImpl::prepareMaterials(size_t arms)

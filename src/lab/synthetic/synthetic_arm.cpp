@@ -25,7 +25,7 @@ Vec3d randomDirection(RNG& rng)
 {
     Vec3d v;
     do
-        v = Vec3d(rng.gaussian(1), rng.gaussian(1), rng.gaussian(1));
+        for (int i = 2; i >= 0; i--) v[i] = rng.gaussian(1);   // not as arguments of a call: compilers differ in their order
     while (norm(v) < 1e-3);
     return normalize(v);
 }
@@ -64,7 +64,8 @@ void SyntheticArm::place(const Vec3d& shaft)
     RNG rng = makeRng(params_.seed, STREAM_HAND_EYE, tool_);
     const double side = tool_ % 2 == 0 ? 1 : -1, height = tool_ < 2 ? -1 : 1;
     // The arms enter beside the endoscope, from the upper right and left, then the lower, and point at their part of the view.
-    const Vec3d jitter(rng.uniform(-0.003, 0.003), rng.uniform(-0.003, 0.003), rng.uniform(-0.003, 0.003));
+    Vec3d jitter;
+    for (int i = 2; i >= 0; i--) jitter[i] = rng.uniform(-0.003, 0.003);
     const Vec3d base = Vec3d(side * 0.079, height * (params_.tools <= 2 ? 0.067 : 0.040), 0.011) + jitter;
     const Vec3d workspace = params_.tools == 1 ? Vec3d(0.002, 0.003, 0.097) :
                             params_.tools == 2 ? Vec3d(side * 0.014, 0.003 + side * 0.003, 0.099) : Vec3d(side * 0.017, height * 0.013, 0.099);

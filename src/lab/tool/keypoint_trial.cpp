@@ -146,7 +146,8 @@ void KeypointTrial::run(int picture, std::vector<Sighting>& sightings)
     }
 
     RNG rng(picture + 1);
-    Vec3d turn(rng.gaussian(1), rng.gaussian(1), rng.gaussian(1));
+    Vec3d turn;
+    for (int i = 2; i >= 0; i--) turn[i] = rng.gaussian(1);   // not as arguments of a call: compilers differ in their order
     turn *= TURN / std::max(norm(turn), 1e-3);
     const Point3d centre(0, 0, DISTANCE);
     const Matx33d R = exponential(turn);
