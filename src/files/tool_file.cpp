@@ -271,9 +271,7 @@ void ToolModel::save(const String& filename) const
     for (size_t i = 0; i < description_.meshes.size(); ++i)
         writePLY(utils::fs::join(folder, format("%s_%d.ply", stem.c_str(), (int)i)), description_.meshes[i]);
 
-    FileStorage file(filename, FileStorage::WRITE);
-    if (!file.isOpened())
-        CV_Error(Error::StsError, filename + ": cannot be written");
+    FileStorage file = newStorage(filename);
     file << "name" << description_.name << "coordinates" << "[:";
     for (size_t i = 0; i < description_.coordinates.size(); ++i)
         file << description_.coordinates[i];
@@ -306,6 +304,7 @@ void ToolModel::save(const String& filename) const
         file << "}";
     }
     file << "]";
+    writeContent(filename, file.releaseAndGetString());
 }
 
 }} // namespace cv::surgtrack

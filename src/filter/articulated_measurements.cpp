@@ -71,7 +71,7 @@ bool ArticulatedPoseEKFImpl::posterior(const Matrix& P, Vector& x, Matrix& resul
     const Matrix W = cholesky.matrixL().solve(Matrix(L.transpose()));
     result = W.transpose() * W;
     x = result * ofState(b_);
-    return x.allFinite();
+    return x.allFinite() && result.allFinite();
 }
 
 Vector ArticulatedPoseEKFImpl::ofState(const SeenVector& b) const

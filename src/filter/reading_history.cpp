@@ -10,19 +10,13 @@ namespace cv { namespace surgtrack {
 void ReadingHistory::add(const double* readings, double seconds)
 {
     if (seconds > longestGap) count_ = 0;
-    if (seconds > 0 || count_ == 0)
+    if (seconds > shortestGap || count_ == 0)
     {
         last_ = (last_ + 1) % frames;
         count_ = std::min(count_ + 1, int(frames));
         ages_[last_] = seconds;
     }
     std::copy(readings, readings + n_, &values_[last_ * n_]);
-}
-
-void ReadingHistory::takeBack()
-{
-    if (count_ > 0) count_--;
-    last_ = (last_ + frames - 1) % frames;
 }
 
 void ReadingHistory::at(double seconds, double* difference, double* rate) const

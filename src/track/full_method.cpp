@@ -78,12 +78,15 @@ void FullMethod::reset()
 const ToolView& FullMethod::predict(const std::vector<double>& joints, double seconds)
 {
     placed_ = filter_->state();
+    before_ = *this;
     filter_->predict(joints, boosted_ > 0 ? pushedGrowth : 1, seconds);
     return filter_->view();
 }
 
 void FullMethod::takeBack()
 {
+    ToolMethod::takeBack();
+    static_cast<FullMemory&>(*this) = before_;
     filter_->dropReadings();
     filter_->setState(placed_);
 }

@@ -11,8 +11,24 @@
 
 namespace cv { namespace surgtrack {
 
+//! What METHOD_FULL knows from frame to frame, beside its filter.
+struct FullMemory
+{
+    ArticulatedPoseEKF::State sure_;       // the filter when the tool was last tracked
+    std::vector<double> shownJoints_;      // readings of the last image that was a new one
+    double logOdds_;                       // that the last pose seen is right
+    bool isSeen_;                          // in this frame
+    double usual_;                         // log odds of the frames before by their own evidence
+    int searches_;                         // since the tool was last seen
+    bool searched_;                        // the pose is that of a search, and not confirmed yet
+    size_t eyes_;                          // that are believed to stand where they are said to
+    int disagreed_;                        // consecutive frames in which the right eye did not see what the left one saw
+    int boosted_;                          // frames for which the process noise stays raised,
+    int pushed_;                           // and for which a push is going on
+};
+
 //! METHOD_FULL: parts and outlines of all eyes, into one filter of correction and joint offsets, believed by evidence.
-class FullMethod CV_FINAL : public ToolMethod
+class FullMethod CV_FINAL : public ToolMethod, private FullMemory
 {
 public:
     FullMethod(int index, const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const ToolTracker::Params& params, double pixelScale,
@@ -79,18 +95,8 @@ private:
     Ptr<ToolContour> contour_;
     ContourSearch edges_;
     EvidenceThresholds thresholds_;
-    ArticulatedPoseEKF::State placed_;     // the filter before this frame,
-    ArticulatedPoseEKF::State sure_;       // and when the tool was last tracked
-    std::vector<double> shownJoints_;      // readings of the last image that was a new one
-    double logOdds_;                       // that the last pose seen is right
-    bool isSeen_;                          // in this frame
-    double usual_;                         // log odds of the frames before by their own evidence
-    int searches_;                         // since the tool was last seen
-    bool searched_;                        // the pose is that of a search, and not confirmed yet
-    size_t eyes_;                          // that are believed to stand where they are said to
-    int disagreed_;                        // consecutive frames in which the right eye did not see what the left one saw
-    int boosted_;                          // frames for which the process noise stays raised,
-    int pushed_;                           // and for which a push is going on
+    ArticulatedPoseEKF::State placed_;     // the filter before this frame, and what is known beside it
+    FullMemory before_;
 
     // Memory of one function each.
     Pose without_, far_;
