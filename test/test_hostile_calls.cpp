@@ -257,7 +257,8 @@ TEST(SurgTrack_HostileCalls, wrongStagesAreRefusedAtOnce)
     EXPECT_NE("", stages([](ToolTracker::Stages& s) { s.edges.minStrength = NOT_A_NUMBER; }));
     EXPECT_NE("", stages([](ToolTracker::Stages& s) { s.templates.magnitudeThreshold = -1; }));
     EXPECT_NE("", stages([](ToolTracker::Stages& s) { s.templates.boxSize = NOT_A_NUMBER; }));
-    EXPECT_NE("", stages([](ToolTracker::Stages& s) { s.templates.maxFeatures = 100000; }));
+    EXPECT_NE("", stages([](ToolTracker::Stages& s) { s.templates.maxFeatures = 0; }));
+    EXPECT_EQ("", stages([](ToolTracker::Stages& s) { s.templates.maxFeatures = INT_MAX; }));
     EXPECT_NE("", stages([](ToolTracker::Stages& s) { s.matcher.magnitudeThreshold = 1e9; }));
     EXPECT_NE("", stages([](ToolTracker::Stages& s) { s.matcher.spread = 1000001; }));
     EXPECT_NE("", stages([](ToolTracker::Stages& s) { s.filter.initialRotation = 1e300; }));

@@ -145,6 +145,7 @@ TEST(SurgTrack_HostileFiles, damagedTextStlIsRefused)
         for (int k = rng.uniform(1, 5); k > 0; k--) bad[rng.uniform(6, (int)bad.size())] = (char)rng.uniform(0, 256);
         meshAnswer(bad, ".stl");   // an answer is all that is asked for
     }
+    EXPECT_REFUSED(meshAnswer("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nen0 1 1\nendloop\nendfacet\nendsolid a\n", ".stl"), "`en0`");
     std::string binary(84, ' ');
     binary.replace(0, 5, "solid");
     for (int k = 80; k < 84; k++) binary[k] = '\xFF';

@@ -47,10 +47,16 @@ Mesh MeshCheck::readTextSTL()
 {
     Mesh mesh;
     int64 facets = 0, ends = 0, vertices = 0, solids = 0;
+    bool header = false;   // of a facet: its normal, and what some write of its colour
     for (String word = nextWord(); !word.empty(); word = nextWord())
     {
         if (word == "end")   // `end solid` in two words
             word += nextWord();
+        header = word == "facet" || (header && word != "outer");
+        const bool known = word == "facet" || word == "outer" || word == "loop" || word == "vertex" || word == "endloop" || word == "endfacet"
+                           || word == "solid" || word == "endsolid";
+        if (!header && !known)
+            fail("expected the words of an STL, found `" + word.substr(0, 40) + "`");
         facets += word == "facet";
         ends += word == "endfacet";
         solids += word == "endsolid";
