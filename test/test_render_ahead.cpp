@@ -235,6 +235,8 @@ TEST(SurgTrack_RenderAhead, readingsThatNoJointCanHaveHarmNothing)
             Joints huge = joints;
             huge[0].back() = 1e308;
             tracker->renderAhead(huge);
+            huge[0].back() = 10;   // the farthest that a joint slides to
+            undisturbed->renderAhead(huge);
         }
         Estimates a, b;
         undisturbed->update(r.images[frame], r.time(frame), joints, a);

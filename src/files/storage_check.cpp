@@ -41,7 +41,8 @@ void StorageCheck::checkMatrices(const String& filename, const FileNode& node)
     {
         const FileNode rows = node["rows"], cols = node["cols"];
         const int64 data = node["data"].isSeq() ? (int64)node["data"].size() : 1;
-        if (!rows.isInt() || !cols.isInt() || (int)rows < 0 || (int)cols < 0 || (int64)(int)rows * (int)cols > data)
+        const int64 few = 10000;   // of so many the reader of the key tells
+        if (!rows.isInt() || !cols.isInt() || (int)rows < 0 || (int)cols < 0 || (int64)(int)rows * (int)cols > std::max(data, few))
             CV_Error(Error::StsParseError, filename + ": key " + node.name() + format(": expected a matrix of rows x cols numbers, found %lld", (long long)data));
     }
     if (node.isMap() || node.isSeq())
