@@ -116,7 +116,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
     }
     for (int calls = 0; !bytes.empty() && calls < 24; calls++)
     {
-        std::vector<std::vector<double> > joints(tools, scene.scene->recordedJoints(0, frame / scene.scene->params().fps));
+        std::vector<std::vector<double> > joints(tools, scene.scene->recordedJoints(0, frame / SyntheticScene::Params().fps));
         for (int i = 0; i < tools; i++)
             if (bytes.next(3) == 0) joints[i][bytes.next((int)joints[i].size())] = bytes.number(0.1);
         try

@@ -215,7 +215,7 @@ private:
     of that is believed which most readings of the last second agree on; another one, as when the robot was restarted, needs twice as many. */
     void takeReading(int tool, const cv::surgtrack::JointReading& reading, double arrival)
     {
-        const double tolerance = 2, memory = 1;      // [s]
+        const double tolerance = 0.2, memory = 1;    // [s]
         const double enough = 2.5, more = 2;
         const size_t mostClocks = 8, mostKept = 50;
         std::vector<RobotClock>& all = robotClocks_[tool];
@@ -244,8 +244,8 @@ private:
         if (clock.weight < (known ? more * all[0].weight + enough : enough))
             return;
         std::swap(all[0], all[at]);
-        all[0].believed = true;
         all[at].believed = false;
+        all[0].believed = true;
         buffers_[tool]->clear();
         clocks_[tool] = cv::surgtrack::ClockOffset::create();
         std::vector<std::pair<cv::surgtrack::JointReading, double> > kept;
