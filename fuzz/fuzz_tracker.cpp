@@ -22,7 +22,7 @@ struct Scene
     Scene()
     {
         SyntheticScene::Params p;
-        p.imageSize = Size(160, 120);
+        p.imageSize = Size(96, 72);
         p.stereo = true;
         scene = SyntheticScene::create(Ptr<ToolModel>(), p);
         for (int i = 0; i < frames; i++)
@@ -88,7 +88,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
     static const Scene scene;
     static ErrorCallback quiet = redirectError([](int, const char*, const char*, const char*, int, void*) { return 0; });
     (void)quiet;
-    Bytes bytes(data, std::min(size, (size_t)400));
+    Bytes bytes(data, std::min(size, (size_t)200));
     ToolTracker::Params params;
     ToolTracker::Stages stages;
     params.method = bytes.next(3);
@@ -114,7 +114,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
     {
         return 0;
     }
-    for (int calls = 0; !bytes.empty() && calls < 24; calls++)
+    for (int calls = 0; !bytes.empty() && calls < 10; calls++)
     {
         std::vector<std::vector<double> > joints(tools, scene.scene->recordedJoints(0, frame / SyntheticScene::Params().fps));
         for (int i = 0; i < tools; i++)
@@ -124,12 +124,12 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
             switch (tools ? bytes.next(16) : 0)
             {
             case 0:
-                if (tools < 3 && tracker->addTool(scene.scene->model(), bytes.pose(scene.scene->nominal_T_base(0))) == tools) tools++;
+                if (tools < 2 && tracker->addTool(scene.scene->model(), bytes.pose(scene.scene->nominal_T_base(0))) == tools) tools++;
                 break;
             case 1: tracker->setHandEye(bytes.next(3), bytes.pose(scene.scene->nominal_T_base(0))); break;
             case 2: tracker->moveCamera(bytes.pose(Matx44d::eye())); break;
             case 3: tracker->setRightCamera(scene.scene->camera(true), bytes.pose(scene.scene->right_T_left())); break;
-            case 4: tracker->setMask(Mat(bytes.next(2) ? Size(160, 120) : Size(3, 3), CV_8UC1, Scalar::all(bytes.next(2))), bytes.next(2)); break;
+            case 4: tracker->setMask(Mat(bytes.next(2) ? Size(96, 72) : Size(3, 3), CV_8UC1, Scalar::all(bytes.next(2))), bytes.next(2)); break;
             case 5: tracker->reset(bytes.next(4) - 1); break;
             case 6: tracker->replaceTool(bytes.next(3), scene.scene->model()); break;
             case 7:

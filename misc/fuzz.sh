@@ -43,7 +43,7 @@ fi
 found="$BUILD_DIR/fuzz-found"
 mkdir -p "$found"
 [[ -d /dev/shm ]] && export FUZZ_FOLDER=/dev/shm
-export OPENCV_LOG_LEVEL=SILENT
+export OPENCV_LOG_LEVEL=SILENT "LSAN_OPTIONS=suppressions=$REPO/misc/lsan.supp:print_suppressions=0"
 failed=0
 printf '%-14s %12s %10s  %s\n' target inputs covered result
 for target in "${targets[@]}"; do

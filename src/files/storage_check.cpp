@@ -43,7 +43,7 @@ void StorageCheck::checkMatrices(const String& filename, const FileNode& node)
         const int64 data = node["data"].isSeq() ? (int64)node["data"].size() : 1;
         const int64 few = 10000;   // of so many the reader of the key tells
         if (!rows.isInt() || !cols.isInt() || (int)rows < 0 || (int)cols < 0 || (int64)(int)rows * (int)cols > std::max(data, few))
-            CV_Error(Error::StsParseError, filename + ": key " + node.name() + format(": expected a matrix of rows x cols numbers, found %lld", (long long)data));
+            CV_Error(Error::StsParseError, filename + ": key " + (node.isNamed() ? node.name() : String("[]")) + format(": expected a matrix of rows x cols numbers, found %lld", (long long)data));
     }
     if (node.isMap() || node.isSeq())
         for (FileNodeIterator it = node.begin(); it != node.end(); ++it)
@@ -254,7 +254,7 @@ void StorageCheck::checkYaml()
             fail(format("expected lines that begin before column %d", (int)widest));
         if (!begun)
         {
-            root = column;
+            root = pos_ - start;   // it may stand behind `---`
             closed = text_[pos_] == '[' || text_[pos_] == '{';
         }
         begun = true;

@@ -245,6 +245,18 @@ void writeLimits(FileStorage& file, const ToolModel::Description& tool)
 
 } // namespace
 
+Ptr<ToolModel> createTool(const String& filename, const ToolModel::Description& tool)
+{
+    try
+    {
+        return ToolModel::create(tool);
+    }
+    catch (const Exception& e)
+    {
+        importError(filename, e.err);
+    }
+}
+
 Ptr<ToolModel> ToolModel::load(const String& filename, int maxTriangles)
 {
     CV_CheckGE(maxTriangles, 0, "maxTriangles: 0 keeps all");
@@ -258,7 +270,7 @@ Ptr<ToolModel> ToolModel::load(const String& filename, int maxTriangles)
         tool.coordinates.push_back(newName(coordinates[i], tool.coordinates));
     parseLimits(root, tool);
     parseLinks(root, maxTriangles, tool);
-    return create(tool);
+    return createTool(filename, tool);
 }
 
 void ToolModel::save(const String& filename) const

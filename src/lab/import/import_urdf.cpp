@@ -374,7 +374,7 @@ Ptr<ToolModel> importUrdfTool(const String& filename, const ToolParts& parts)
     UrdfReader reader(filename, parts);
     ToolModel::Description tool = reader.read();
     addParts(parts, Matx33d::eye(), tool, reader.frames());
-    return makeTool(parts, tool);
+    return makeTool(filename, parts, tool);
 }
 
 #endif
