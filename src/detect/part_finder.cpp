@@ -133,12 +133,7 @@ private:
     int preparedEnlargement_;
     Mat enlarged_;           // the (reduced) image at twice its size: up to date where it was asked for
     std::vector<uchar> small_;         // a tool: it is
-    struct
-    {
-        VisibleRegion visible;
-        ImageSamples samples;
-        std::vector<uchar> small;
-    } before_;               // the last setImage()
+    struct { VisibleRegion visible; ImageSamples samples; std::vector<uchar> small; } before_;   // the last setImage()
     TemplateCopies copies_;
     std::vector<Rect> windows_;        // in the enlarged image
     std::vector<Point2d> expected_;   // a template; memory of find()

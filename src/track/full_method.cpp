@@ -83,14 +83,6 @@ const ToolView& FullMethod::predict(const std::vector<double>& joints, double se
     return filter_->view();
 }
 
-void FullMethod::takeBack()
-{
-    ToolMethod::takeBack();
-    static_cast<FullMemory&>(*this) = before_;
-    filter_->dropReadings();
-    filter_->setState(placed_);
-}
-
 FullMethod::Pose FullMethod::pose() const
 {
     Pose pose;

@@ -35,7 +35,13 @@ public:
                const ArticulatedPoseEKF::Params& filter, const ToolContour::Params& contour, const ContourSearch& edges);
 
     void reset() CV_OVERRIDE;
-    void takeBack() CV_OVERRIDE;
+    void takeBack() CV_OVERRIDE
+    {
+        ToolMethod::takeBack();
+        static_cast<FullMemory&>(*this) = before_;
+        filter_->dropReadings();
+        filter_->setState(placed_);
+    }
     void measure(Scene& scene, const PartDrawing* ahead) CV_OVERRIDE;
     const ToolView& view() const CV_OVERRIDE { return filter_->view(); }
     void report(ToolEstimate& estimate) const CV_OVERRIDE;
