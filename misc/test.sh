@@ -226,6 +226,7 @@ if [[ -n "$sanitize" ]]; then
   BUILD_DIR="$BUILD_DIR-${sanitize%%,*}"
   LOGS="$BUILD_DIR/logs"
   mkdir -p "$BUILD_DIR"
+  # shellcheck disable=SC2054
   CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO" "-DSURGTRACK_SANITIZE=$sanitize" -DBUILD_LIST=surgtrack,ts -DBUILD_EXAMPLES=OFF
     -DBUILD_TESTS=ON -DOPENCV_BUILD_TEST_MODULES_LIST=surgtrack -DBUILD_opencv_python3=OFF)
   prepare

@@ -312,6 +312,24 @@ TEST(SurgTrack_HostileCalls, thePapersFilterTellsItsInnovationFromTheFirstFrameO
     }
 }
 
+// A picture that comes again while the robot moves on is not measured.
+TEST_P(SurgTrack_HostileReadings, picturesThatComeAgainAreNotBelieved)
+{
+    const Recording& r = common();
+    Ptr<ToolTracker> tracker = r.tracker(GetParam());
+    Estimates e;
+    for (int i = 0; i < 12; i++) e = r.update(*tracker, i);
+    ASSERT_EQ(STATE_TRACKING, e[0].state);
+    for (int i = 12; i < 18; i++)
+    {
+        tracker->update(r.images[11], r.time(i), r.joints(i), e);
+        EXPECT_EQ(STATE_COASTING, e[0].state) << i;
+        EXPECT_EQ(0, e[0].inliers) << i;
+    }
+    e = r.update(*tracker, 18);
+    EXPECT_EQ(STATE_TRACKING, e[0].state);
+}
+
 TEST(SurgTrack_HostileCalls, toolsHaveTheSizeOfTools)
 {
     ToolModel::Description description;

@@ -15,7 +15,6 @@ namespace cv { namespace surgtrack {
 struct FullMemory
 {
     ArticulatedPoseEKF::State sure_;       // the filter when the tool was last tracked
-    std::vector<double> shownJoints_;      // readings of the last image that was a new one
     double logOdds_;                       // that the last pose seen is right
     bool isSeen_;                          // in this frame
     double usual_;                         // log odds of the frames before by their own evidence
@@ -69,7 +68,6 @@ private:
     void keepPose(Pose& pose) const;
     void setPose(const Pose& pose);
 
-    bool isStale(const Scene& scene);
     bool start(Scene& scene);
     bool search(Scene& scene);
     bool beginAnew(Scene& scene, int first, int last);

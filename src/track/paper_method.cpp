@@ -65,8 +65,10 @@ void PaperMethod::gather()
 
 void PaperMethod::measure(Scene& scene, const PartDrawing* ahead)
 {
-    bool seen = starts() ? start(scene, 0, hypotheses - 1) : follow(scene, ahead);
-    if (!seen && state_ == STATE_LOST)   // in a wider window, by one hypothesis a frame
+    const bool stale = !starts() && isStale(scene);
+    if (starts()) shownJoints_ = joints_;
+    bool seen = starts() ? start(scene, 0, hypotheses - 1) : !stale && follow(scene, ahead);
+    if (!seen && !stale && state_ == STATE_LOST)   // in a wider window, by one hypothesis a frame
     {
         hypothesis_ = (hypothesis_ + 1) % hypotheses;
         seen = start(scene, hypothesis_, hypothesis_);

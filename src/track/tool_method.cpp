@@ -5,6 +5,7 @@
 #include "precomp.hpp"
 #include "base/geometry.hpp"
 #include "track/tool_method.hpp"
+#include "track/view_change.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -20,6 +21,12 @@ const double largestReprojectionError = 8;  // [pixel at 720 px image width]
 // What a joint can read; beyond, a message was garbled, or is in another unit.
 const double mostTravel = 10, mostTurn = 200 * CV_PI;    // [m], [rad]
 const double leastMargin = 0.1, leastTurnMargin = CV_PI; // beyond limits, which may be those of the next instrument [m], [rad]
+
+/* An image that comes again: pictures of a camera differ by its noise, in each pixel by a grey level and more, and those of a tool
+   that has moved by a pixel by more than that. */
+const double staleChange = 0.5;        // mean over samples [grey levels]
+const double staleShift = 1;           // of a keypoint [pixel at 720 px image width]
+const double staleMargin = 30;         // about the keypoints [pixel at 720 px image width]
 
 std::vector<Vec2d> rangesOf(const ToolModel& model)
 {
@@ -67,6 +74,7 @@ void ToolMethod::reset()
     visibleParts_ = 0;
     inliers_.clear();
     joints_.clear();
+    shownJoints_.assign(coordinates_, 0.);
     skipped_ = 0;
 }
 
@@ -127,6 +135,32 @@ bool ToolMethod::plausible(const CameraModel& camera, const Matx44d& correction,
         sum += d.dot(d);
     }
     return std::sqrt(sum / double(inliers.size())) < maxReprojectionError();
+}
+
+// Whether the image is the one before once more, although the tool has moved.
+bool ToolMethod::isStale(const Scene& scene)
+{
+    const PartFinder& eye = *scene.eyes[0];
+    Rect2d box;
+    for (size_t k = 0; k < nominalPoints_.size(); k++)
+    {
+        const Point3d p = transform(correction_, nominalPoints_[k]);
+        if (p.z < nearestDepth) continue;
+        const Rect2d at(eye.camera().project(p), Size2d(1, 1));
+        box = box.empty() ? at : box | at;
+    }
+    const int margin = cvRound(staleMargin * pixelScale_);
+    box &= Rect2d(-1e5, -1e5, 2e5, 2e5);   // what an int has room for
+    const Rect region(cvFloor(box.x) - margin, cvFloor(box.y) - margin, cvCeil(box.width) + 2 * margin, cvCeil(box.height) + 2 * margin);
+    if (eye.change(region & Rect(Point(), eye.camera().imageSize())) > staleChange)
+    {
+        shownJoints_ = joints_;
+        return false;
+    }
+    correctJoints(shownJoints_, foreseen_);
+    model_->forwardKinematics(foreseen_, shown_.base_T_link);
+    shown_.camera_T_base = view().camera_T_base;
+    return !(viewChange(eye.camera(), *model_, view(), shown_).shift < staleShift * pixelScale_);
 }
 
 int ToolMethod::findStarts(Scene& scene, int first, int last, const ToolView& view, double distance, std::vector<StartCandidate>& best)

@@ -24,6 +24,7 @@ struct ToolMemory
     int visibleParts_;
     std::vector<PartMatch> inliers_;
     std::vector<double> joints_;       // readings of the current frame
+    std::vector<double> shownJoints_;  // readings of the last image that was a new one
     int skipped_;                      // frames whose readings no joint can have
 };
 
@@ -88,6 +89,9 @@ protected:
     //! Readings that joints can have: the nearest ones. @return whether these are such
     bool bound(const std::vector<double>& readings, std::vector<double>& bounded) const;
 
+    //! Whether the image is the one before once more, although the tool has moved. Once a frame.
+    bool isStale(const Scene& scene);
+
     bool starts() const { return state_ == STATE_INITIALIZING && confirmed_ == 0; }
     /* So many first frames are each taken in from the hand-eye calibration alone. Their points lean towards where the templates
        were drawn: a filter that believed them together would keep the error of the first pose, most of it depth, for minutes. Of
@@ -130,6 +134,7 @@ protected:
 
     std::vector<Vec2d> ranges_;        // of readings, a coordinate
     ToolMemory before_;                // this frame
+    ToolView shown_;                   // memory of isStale()
     std::vector<double> foreseen_, bounded_;   // memory of foresee() and place()
     std::vector<Sight> sights_;        // an eye
 };
