@@ -295,7 +295,7 @@ TEST(SurgTrack_HostileFiles, textsThatEndWithinAreRefused)
         "%YAML:1.0\n- x\n...\n-", "%YAML:1.0\na: {b: 1", "%YAML:1.0\n---\n{a: 1}\nxy", "%YAML:1.0\n---\n  a: 1\nx", "%YAML:1.0\n---\na: !!binary |\n  AAAA", "%YAML:1.0\na: !<", "%YAML",
         "<?xml version=\"1.0\"?>\n<opencv_storage><a b=", "<?xml version=\"1.0\"?>\n<opencv_storage><a b=\">\" c=", "<?xml", "<?xml version=\"1.0\"?>\n<opencv_storage>\n<", "<?xml?><",
         "<?xml version=\"1.0\"?>\n<opencv_storage><a type_id=\"binary\">AAAA</a></opencv_storage>", "{ \"a\": \"$base64$AAAA\" }", "{ \"a\": \"b", "{ /*", "{ //", "{", "{ \"a\" ",
-        "{ \"a\": \"b\\", "%YAML:1.0\n---a%L: 1\n--\n-na", "%YAML:1.0\n---\nrows: 2000000000\ncols: 4\ndt: d\ndata: [ 1. ]\n", "%YAML:1.0\n---\nm: !!opencv-matrix\n   rows: 2147483647\n   cols: 2147483647\n   dt: d\n   data: [ 1. ]\n", "%YAML:1.0\n---\nm: !!opencv-matrix\n   sizes: [ 40000, 40000 ]\n   dt: d\n   data: [ 1. ]\n" };
+        "{ \"a\": \"b\\", "%YAML:1.0\n---a%L: 1\n--\n-na", "%YAML:1.0\n---\n   %YAML:1.0\n--z-\na: 1\n", "%YAML:1.0\n---\nrows: 2000000000\ncols: 4\ndt: d\ndata: [ 1. ]\n", "%YAML:1.0\n---\nm: !!opencv-matrix\n   rows: 2147483647\n   cols: 2147483647\n   dt: d\n   data: [ 1. ]\n", "%YAML:1.0\n---\nm: !!opencv-matrix\n   sizes: [ 40000, 40000 ]\n   dt: d\n   data: [ 1. ]\n" };
     for (size_t i = 0; i < sizeof(texts) / sizeof(texts[0]); i++) EXPECT_NE("", storageAnswer(texts[i])) << texts[i];
     EXPECT_REFUSED(storageAnswer(std::string("%YAML:1.0\n\0a: 1\n", 16)), "byte 0");
 }

@@ -215,7 +215,8 @@ private:
     of that is believed which most readings of the last second agree on; another one, as when the robot was restarted, needs twice as many. */
     void takeReading(int tool, const cv::surgtrack::JointReading& reading, double arrival)
     {
-        const double tolerance = 0.2, memory = 1;    // [s]
+        const double early = 0.3, late = 2, memory = 1;    // [s]; a message may be held up, but comes before its stamp on another clock only
+        const double following = 0.05;                     // of a delay that stays
         const double enough = 2.5, more = 2;
         const size_t mostClocks = 8, mostKept = 50;
         std::vector<RobotClock>& all = robotClocks_[tool];
@@ -225,14 +226,14 @@ private:
         {
             all[i].weight *= std::exp((all[i].last - arrival) / memory);
             all[i].last = arrival;
-            if (std::abs(all[i].difference - difference) <= tolerance) at = i;
+            if (difference >= all[i].difference - early && difference <= all[i].difference + late && at == all.size()) at = i;
             if (i > 1 && all[i].weight <= all[lightest].weight) lightest = i;
             else if (i == 1) lightest = 1;
         }
         if (at == all.size() && all.size() < mostClocks) all.push_back(RobotClock());
         else if (at == all.size()) all[at = lightest] = RobotClock();
         RobotClock& clock = all[at];
-        clock.difference = difference;
+        clock.difference = clock.weight > 0 ? std::min(difference, clock.difference + following * (difference - clock.difference)) : difference;
         clock.last = arrival;
         clock.weight += 1;
         const bool known = all[0].believed;

@@ -221,14 +221,14 @@ void StorageCheck::checkLine()
 
 void StorageCheck::checkYaml()
 {
-    bool begun = false, closed = false;
+    bool marked = false, begun = false, closed = false;   // marked: by `---`, behind which nothing is a directive
     size_t root = 0;
     while (pos_ < text_.size())
     {
         const size_t start = pos_;
         skipSpaces();
         const size_t column = pos_ - start;
-        if (isEnd() || text_[pos_] == '#' || (!begun && text_[pos_] == '%'))
+        if (isEnd() || text_[pos_] == '#' || (!marked && !begun && text_[pos_] == '%'))
         {
             endLine();
             continue;
@@ -238,8 +238,9 @@ void StorageCheck::checkYaml()
             text_.resize(start);
             break;
         }
-        if (!begun && text_.compare(pos_, 3, "---") == 0)
+        if (!marked && !begun && text_.compare(pos_, 3, "---") == 0)
         {
+            marked = true;
             pos_ += 3;
             skipSpaces();
             if (isEnd() || text_[pos_] == '#')
