@@ -5,11 +5,16 @@ set -euo pipefail
 
 usage() {
   cat <<'TEXT'
-usage: misc/test.sh [--help]
+usage: misc/test.sh [--help | --sanitize=address,undefined | --sanitize=thread]
 
 Installs what is missing (apt), gets OpenCV's source, builds the module and runs its C++ tests, Python tests, performance
 tests (once each, as a check that they run) and samples. Needs no display. The last line is `N passed, N failed`; the exit
 code is 0 if nothing failed.
+
+--sanitize builds the module and its C++ tests alone, with the compiler's sanitizers, in BUILD_DIR-address or BUILD_DIR-thread, and runs the
+tests: with `thread` those that have several threads. OpenCV itself is not instrumented. For `address` and `undefined` it need not be: what
+the module hands over is checked where the module touches it. ThreadSanitizer does not see how OpenCV's own threads wait for each other:
+OpenCV's functions are left out by misc/tsan.supp, and parallel_for_() runs in one thread (--test_threads=1).
 
 environment:
   BUILD_DIR       build folder, kept for the next run (default: build/ in the repository)
@@ -21,8 +26,10 @@ environment:
 TEXT
 }
 
+sanitize=''
 case "${1:-}" in
   '') ;;
+  --sanitize=address,undefined | --sanitize=thread) sanitize="${1#--sanitize=}" ;;
   -h | --help) usage; exit 0 ;;
   *) usage >&2; exit 1 ;;
 esac
@@ -156,7 +163,7 @@ while v.read()[0]:
 assert n == int(sys.argv[2]), "%d frames" % n' "$1" "$2"
 }
 
-for checks in wings without_vtk evaluation cluster python_docs stereo rig import look handeye live manners confidence docs install versions; do
+for checks in wings without_vtk evaluation cluster python_docs stereo rig import look handeye live fuzz manners confidence docs install versions; do
   # shellcheck source=/dev/null
   source "$REPO/misc/checks/$checks.sh"
 done
@@ -201,6 +208,7 @@ run_samples() {
   run_look "$work"
   run_handeye "$work"
   run_live "$work"
+  run_fuzz
   run_manners "$work"
   run_confidence "$work"
   run_docs "$work"
@@ -216,6 +224,31 @@ run_samples() {
   sample "refused: no such tool file" refuses "$work/none.yaml" "$make" --out="$work/never" --tool="$work/none.yaml"
   count "samples" "$sample_passed" "$sample_failed" 0
 }
+
+if [[ -n "$sanitize" ]]; then
+  BUILD_DIR="$BUILD_DIR-${sanitize%%,*}"
+  LOGS="$BUILD_DIR/logs"
+  mkdir -p "$BUILD_DIR"
+  # shellcheck disable=SC2054
+  CONFIGURATION=("-DOPENCV_EXTRA_MODULES_PATH=$REPO" "-DSURGTRACK_SANITIZE=$sanitize" -DBUILD_LIST=surgtrack,ts -DBUILD_EXAMPLES=OFF
+    -DBUILD_TESTS=ON -DOPENCV_BUILD_TEST_MODULES_LIST=surgtrack -DBUILD_opencv_python3=OFF)
+  prepare
+  build opencv_surgtrack opencv_test_surgtrack
+  export ASAN_OPTIONS=detect_leaks=1 LSAN_OPTIONS="suppressions=$REPO/misc/lsan.supp" UBSAN_OPTIONS=print_stacktrace=1 \
+    TSAN_OPTIONS="suppressions=$REPO/misc/tsan.supp"
+  filter='*-*Allocations*:*SceneView*:*VTK*'   # who counts allocations counts those of the sanitizer; drivers of OpenGL are not clean
+  options=()
+  if [[ "$sanitize" == thread ]]; then
+    filter='SurgTrack_HostileFiles.meshesAreLoadedInSeveralThreads:*RenderAhead*:*render*head*:*Live*:*JointBuffer*:*Tracker_Calls*'
+    options=(--test_threads=1)
+  fi
+  step "C++ tests with -fsanitize=$sanitize"
+  run_gtest "C++ tests, $sanitize" "$LOGS/test.log" env -u DISPLAY "$BUILD_DIR/bin/opencv_test_surgtrack" "--gtest_filter=$filter" "${options[@]}"
+  echo
+  echo "$passed passed, $failed failed"
+  [[ $failed -eq 0 ]] || { trap - ERR; exit 1; }
+  exit 0
+fi
 
 # For the checks of plots, of the cluster, of the type stubs and for ARM; without them these are skipped.
 PACKAGES+=(python3-matplotlib python3-distributed mypy g++-aarch64-linux-gnu)

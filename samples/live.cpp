@@ -21,6 +21,8 @@ const char* const KEYS =
     "{ help h      |       | print this }"
     "{ sequence    |       | folder with sequence.yaml: camera, tools and hand-eye calibration; its CSV files are not read }"
     "{ joints      | 48051 | UDP ports of the joint readings, PORT or TOOL:PORT, separated by commas; TOOL if the messages do not say }"
+    "{ listen      | 127.0.0.1 | address of this machine that readings come to; 0.0.0.0: any }"
+    "{ from        |       | address that readings are taken from; default: any }"
     "{ camera      |       | images of this camera, a number or an address such as rtsp://...; two, separated by a comma, with --stereo. "
     "Without it the video of sequence.yaml is played }"
     "{ stereo      |       | use the right image too }"
@@ -34,13 +36,14 @@ const char* const KEYS =
     "{ quiet       |       | no progress }";
 
 const double PATIENCE = 10;     // for the first readings [s]
+const double LONGEST_WAIT = 60; // until the robot's clock shows the time of the first image of a video [s]
 const double WAIT = 0.05;       // for the reading after an image [s]: some packets at 100 Hz may be lost
 const double DRAW_UNTIL = 2. / 3;    // after an image [interval]; later, drawing for the next one would slow its tracking down
 const double SILENCE = 1;       // without an image that has readings, until it is said [s]
 
 struct Options
 {
-    String sequence, poses, send;
+    String sequence, poses, send, listen, from;
     std::vector<common::JointPort> ports;
     std::vector<std::string> cameras;    // empty: the video
     double fps, timeOffset;
@@ -81,6 +84,8 @@ Options readOptions(const CommandLineParser& parser)
         fail("expected --sequence=DIR, see --help");
     options.poses = parser.get<String>("poses");
     options.send = parser.get<String>("send");
+    options.listen = parser.get<String>("listen");
+    options.from = parser.get<String>("from");
     options.ports = readPorts(parser.get<String>("joints"));
     options.stereo = parser.has("stereo");
     if (parser.has("camera"))
@@ -183,7 +188,7 @@ void prepare(const Options& options, Run& run)
         run.sender = makePtr<common::UdpSender>(options.send);
     if (!options.poses.empty())
         run.writer = PoseWriter::create(options.poses, names, common::modelsOf(run.tools), { "dropped", "latency" });
-    run.joints = makePtr<common::JointStream>(options.ports, names, coordinates, run.live ? 1 : fps / run.setup->fps());
+    run.joints = makePtr<common::JointStream>(options.ports, options.listen, options.from, names, coordinates, run.live ? 1 : fps / run.setup->fps());
 }
 
 //! Images begin with the readings: those of a video come when the robot's clock has their time.
@@ -196,10 +201,19 @@ void start(const Options& options, Run& run)
     {
         const common::JointStream::Counts counts = run.joints->counts();
         const std::string complaint = run.joints->complaint();
-        fail(format("no joint readings of tool '%s' in %g s; %d messages with readings came, %d without, %d malformed%s%s",
-                    run.tools[missing].info.name.c_str(), PATIENCE, counts.readings, counts.others, counts.malformed, complaint.empty() ? "" : ", the first one: ", complaint.c_str()));
+        fail(format("no joint readings of tool '%s' in %g s; to %s came %d messages with readings, %d without, %d malformed%s%s",
+                    run.tools[missing].info.name.c_str(), PATIENCE, options.listen.c_str(), counts.readings, counts.others, counts.malformed, complaint.empty() ? "" : ", the first one: ", complaint.c_str()));
     }
-    run.images->start(run.joints->localTime(0, run.timeOffset), options.frames);
+    double first = run.joints->localTime(0, run.timeOffset);
+    const double end = common::now() + PATIENCE;    // the first stamps may be wrong
+    while (!run.live && first - common::now() > LONGEST_WAIT && !common::interrupted())
+    {
+        if (common::now() > end)
+            fail(format("the robot's clock is %g s before the first image of the video, expected readings with the stamps of its recording", first - common::now()));
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        first = run.joints->localTime(0, run.timeOffset);
+    }
+    run.images->start(first, options.frames);
 }
 
 //! The poses of an image that was not tracked: those of its readings if there are some, with what was known before.
@@ -325,8 +339,8 @@ void printSummary(const Run& run)
         std::printf("  %-8s tracked in %.1f %% of the images\n", run.tools[i].info.name.c_str(), images ? 100. * run.tools[i].tracked / images : 0.);
     const common::JointStream::Counts counts = run.joints->counts();
     const std::string complaint = run.joints->complaint();
-    std::printf("messages: %d with joint readings, %d readings too late or twice, %d about other things, %d malformed%s%s\n", counts.readings,
-                counts.late, counts.others, counts.malformed, complaint.empty() ? "" : ", the first one: ", complaint.c_str());
+    std::printf("messages: %d with joint readings, %d readings too late or twice, %d with stamps of another clock, %d too large or too many, "
+                "%d about other things, %d malformed%s%s\n", counts.readings, counts.late, counts.strange, counts.flood, counts.others, counts.malformed, complaint.empty() ? "" : ", the first one: ", complaint.c_str());
     std::printf("time of an image [ms]      median     95 %%      max\n");
     printTimes("waiting for joints", run.waits);
     printTimes("tracking", run.updates);
@@ -359,6 +373,6 @@ int run(const CommandLineParser& parser)
 int main(int argc, char** argv)
 {
     const common::Program program = { "live", "Tracks the tools a camera sees now, by their CAD models and the joint readings a robot sends.",
-                                      KEYS, { "sequence", "joints", "camera", "fps", "time-offset", "send", "poses", "frames" }, { "stereo", "show", "quiet" } };
+                                      KEYS, { "sequence", "joints", "listen", "from", "camera", "fps", "time-offset", "send", "poses", "frames" }, { "stereo", "show", "quiet" } };
     return common::runProgram(argc, argv, program, run);
 }

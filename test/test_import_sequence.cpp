@@ -61,10 +61,10 @@ TEST_F(SurgTrack_ImportCameras, cameraInfoNeedsNoYamlLine)
 TEST_F(SurgTrack_ImportCameras, cameraInfoMayBeRational)
 {
     String text = replaced(CAMERA_INFO, "plumb_bob", "rational_polynomial");
-    text = replaced(text, "-0.25, 0.125, -0.005, 0.001, 0", "1, 2, 3, 4, 5, 6, 7, 8");
+    text = replaced(text, "-0.25, 0.125, -0.005, 0.001, 0", "0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08");
     const CameraModel camera = importCameraInfo(list(put("left.yaml", text))).left;
     for (int i = 0; i < 8; i++)
-        EXPECT_EQ(i + 1, camera.k[i]);
+        EXPECT_DOUBLE_EQ((i + 1) / 100., camera.k[i]);
 }
 
 TEST_F(SurgTrack_ImportCameras, twoCameraInfosAreAStereoPair)

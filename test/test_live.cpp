@@ -313,6 +313,28 @@ TEST(SurgTrack_JointBuffer, forgetsWhatIsOldAndIsBounded)
     EXPECT_EQ(JOINTS_FOUND, b->at(1.06, joints));
 }
 
+// What comes over a network may be anything: it is refused, or kept apart, and never changes what is answered for other times.
+TEST(SurgTrack_JointBuffer, wildReadingsChangeNothing)
+{
+    const Ptr<JointBuffer> b = buffer();
+    std::vector<double> joints;
+    for (int i = 0; i <= 100; i++) b->add(reading(0.01 * i, 1, 2, 3));
+    for (const double wild : { 1e200, -1e308, 1e308, 1.1e6 }) EXPECT_ERROR(b->add(reading(0.505, wild, 0, 0)), "positions");
+    for (const double time : { 1e15, -1e300, 1e300, 1.1e11 }) EXPECT_ERROR(b->add(reading(time, 0, 0, 0)), "time");
+    EXPECT_FALSE(b->add(reading(1e9, 5, 5, 5)));                 // far ahead of the others, once
+    EXPECT_FALSE(b->add(reading(-86400, 5, 5, 5)));
+    ASSERT_EQ(JOINTS_FOUND, b->at(0.505, joints));
+    EXPECT_EQ(1, joints[0]);
+    EXPECT_TRUE(b->add(reading(1.01, 1, 2, 3)));
+    for (const double time : { 1e15, -1e300 })
+    {
+        std::vector<JointReading> readings;
+        EXPECT_ERROR(parseJointMessage(format("{\"time\": %g, \"position\": [1]}", time), readings), "time");
+        EXPECT_ERROR(parseJointMessage("{\"time\": 1, \"position\": [1, 1e308]}", readings), "position[1]");
+        EXPECT_ERROR(parseJointMessage("{\"time\": 1, \"position\": {\"q1\": -1e200}}", readings), "position.'q1'");
+    }
+}
+
 // The robot was restarted, or one reading had a wrong time: after 50 that are too old it is they that are right.
 TEST(SurgTrack_JointBuffer, startsAnewWhenTheClockWasSetBack)
 {

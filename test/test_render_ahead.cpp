@@ -200,9 +200,9 @@ TEST(SurgTrack_RenderAhead, rejectsBadJointsAtTheDoor)
     EXPECT_ERROR(tracker->renderAhead(bad), "joints");
 }
 
-TEST(SurgTrack_RenderAhead, anErrorOfTheThreadIsThrownByUpdate)
+TEST(SurgTrack_RenderAhead, readingsThatNoJointCanHaveHarmNothing)
 {
-    // A link far away, geared up: a finite reading moves it out of the finite numbers, and the renderer refuses to draw it.
+    // A link far away, geared up: unbounded, a finite reading would move it out of the finite numbers.
     const Recording& r = common();
     const Ptr<ToolModel> full = r.scene->model();
     ToolModel::Description d;
@@ -226,7 +226,6 @@ TEST(SurgTrack_RenderAhead, anErrorOfTheThreadIsThrownByUpdate)
     Ptr<ToolTracker> tracker = ToolTracker::create(r.scene->camera()), undisturbed = ToolTracker::create(r.scene->camera());
     tracker->addTool(geared, r.scene->nominal_T_base(0));
     undisturbed->addTool(geared, r.scene->nominal_T_base(0));
-    int thrown = 0;
     for (int frame = 0; frame < 14; frame++)
     {
         Joints joints = r.joints(frame);
@@ -236,21 +235,14 @@ TEST(SurgTrack_RenderAhead, anErrorOfTheThreadIsThrownByUpdate)
             Joints huge = joints;
             huge[0].back() = 1e308;
             tracker->renderAhead(huge);
+            huge[0].back() = 10;   // the farthest that a joint slides to
+            undisturbed->renderAhead(huge);
         }
         Estimates a, b;
         undisturbed->update(r.images[frame], r.time(frame), joints, a);
-        const std::string text = errorText([&]() { tracker->update(r.images[frame], r.time(frame), joints, b); });
-        if (!text.empty())
-        {
-            EXPECT_EQ(9, frame);
-            EXPECT_NE(std::string::npos, text.find("rigid")) << text;
-            EXPECT_TRUE(b.empty());
-            thrown++;
-            tracker->update(r.images[frame], r.time(frame), joints, b);   // once only, and nothing has changed
-        }
+        tracker->update(r.images[frame], r.time(frame), joints, b);
         EXPECT_TRUE(same(a, b)) << frame;
     }
-    EXPECT_EQ(1, thrown);
 }
 
 TEST_P(SurgTrack_RenderAheadMethods, endsCleanlyWithRequestsPending)

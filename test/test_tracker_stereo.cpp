@@ -119,8 +119,8 @@ TEST(SurgTrack_TrackerStereo, badInputIsRejectedAndLeavesTheStateUnchanged)
         Mat grey, deep;
         cvtColor(right, grey, COLOR_BGR2GRAY);
         right.convertTo(deep, CV_16U);
-        EXPECT_ERROR(tracker->updateStereo(left, Mat(), time, joints, e), "image");
-        EXPECT_ERROR(tracker->updateStereo(left, deep, time, joints, e), "image");
+        EXPECT_ERROR(tracker->updateStereo(left, Mat(), time, joints, e), "right must be");
+        EXPECT_ERROR(tracker->updateStereo(left, deep, time, joints, e), "right must be");
         EXPECT_ERROR(tracker->updateStereo(left, grey, time, joints, e), "same type");
         EXPECT_ERROR(tracker->updateStereo(left, right.rowRange(0, 575), time, joints, e), "right is 720 x 575");
         EXPECT_ERROR(tracker->updateStereo(left.rowRange(0, 575), right, time, joints, e), "left is 720 x 575");

@@ -174,7 +174,8 @@ inline bool same(const ToolEstimate& a, const ToolEstimate& b)
 {
     return a.state == b.state && a.camera_T_tool == b.camera_T_tool && a.camera_T_nominal == b.camera_T_nominal && a.covariance == b.covariance
            && a.jointOffsets == b.jointOffsets && a.joints == b.joints && a.visibleParts == b.visibleParts && a.inliers == b.inliers && a.similarity == b.similarity
-           && a.contourSupport == b.contourSupport && a.confidence == b.confidence && a.delay == b.delay && a.nis == b.nis && sameMatches(a.matches, b.matches);
+           && a.contourSupport == b.contourSupport && a.confidence == b.confidence && a.delay == b.delay && a.nis == b.nis && a.skippedReadings == b.skippedReadings
+           && sameMatches(a.matches, b.matches);
 }
 
 inline bool same(const Estimates& a, const Estimates& b)

@@ -15,6 +15,7 @@ CPP_ONLY = {
     'CameraModel.project': 'one point at a time: projectPoints() does many',
     'CameraModel.fx, fy, cx, cy': 'cameraMatrix() has them',
     'CameraModel.k': 'distCoeffs() has them',
+    'ToolPoseEKF.copyTo': 'state(), covariance() and reset() have what Python needs of it',
     'ToolModel.Link': 'a tool is described by its file',
     'ToolModel.Keypoint': 'a tool is described by its file',
     'ToolModel.Description': 'a tool is described by its file',

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 #ifndef _WIN32
+#include <arpa/inet.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <poll.h>
@@ -22,12 +23,24 @@ namespace common {
 
 #ifndef _WIN32
 
-//! Takes in packets that are sent to any of some ports, by whomever.
+//! An address of IPv4 as sockets have it. @param argument that has it, for the error
+inline in_addr addressOf(const std::string& text, const char* argument)
+{
+    in_addr address = {};
+    if (::inet_pton(AF_INET, text.c_str(), &address) != 1)
+        fail(std::string("argument '") + argument + "=" + text + "': expected an address such as 192.168.0.5");
+    return address;
+}
+
+//! Takes in packets that are sent to any of some ports.
 class UdpReceiver
 {
 public:
-    explicit UdpReceiver(const std::vector<int>& ports) : buffer_(65536), last_(0)
+    //! @param listen address of this machine that packets come to; 0.0.0.0: any @param from whom packets are taken from; empty: anyone
+    UdpReceiver(const std::vector<int>& ports, const std::string& listen, const std::string& from)
+        : buffer_(65536), last_(0), fromAll_(from.empty()), from_(fromAll_ ? in_addr() : addressOf(from, "--from"))
     {
+        const in_addr own = addressOf(listen, "--listen");
         for (size_t i = 0; i < ports.size(); i++)
         {
             const pollfd entry = { ::socket(AF_INET, SOCK_DGRAM, 0), POLLIN, 0 };
@@ -35,21 +48,21 @@ public:
             sockaddr_in address = {};
             address.sin_family = AF_INET;
             address.sin_port = htons((uint16_t)ports[i]);
-            address.sin_addr.s_addr = htonl(INADDR_ANY);
+            address.sin_addr = own;
             const int room = 1 << 20;   // some hundred packets: none is lost while the system is busy
             setsockopt(entry.fd, SOL_SOCKET, SO_RCVBUF, &room, sizeof(room));
             if (entry.fd >= 0 && ::bind(entry.fd, (const sockaddr*)&address, sizeof(address)) == 0)
                 continue;
             const std::string reason = std::strerror(errno);
             close();
-            fail(cv::format("UDP port %d can't be listened on: %s", ports[i], reason.c_str()));
+            fail(cv::format("UDP port %d of %s can't be listened on: %s", ports[i], listen.c_str(), reason.c_str()));
         }
     }
     ~UdpReceiver() { close(); }
     UdpReceiver(const UdpReceiver&) = delete;
     UdpReceiver& operator=(const UdpReceiver&) = delete;
 
-    //! Waits for a packet, up to so many milliseconds. port: index of the one it came by
+    //! Waits for a packet, up to so many milliseconds. port: index of the one it came by. Those of others than `from` are let go.
     bool receive(std::string& packet, int& port, int milliseconds)
     {
         if (::poll(sockets_.data(), (nfds_t)sockets_.size(), milliseconds) <= 0)
@@ -59,8 +72,10 @@ public:
             const size_t i = (last_ + k) % sockets_.size();    // in turn: a flood on one port must not silence another
             if (!sockets_[i].revents)
                 continue;
-            const ssize_t size = ::recv(sockets_[i].fd, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
-            if (size < 0)
+            sockaddr_in sender = {};
+            socklen_t length = sizeof(sender);
+            const ssize_t size = ::recvfrom(sockets_[i].fd, buffer_.data(), buffer_.size(), MSG_DONTWAIT, (sockaddr*)&sender, &length);
+            if (size < 0 || (!fromAll_ && sender.sin_addr.s_addr != from_.s_addr))
                 continue;
             packet.assign(buffer_.data(), (size_t)size);
             port = (int)i;
@@ -80,6 +95,8 @@ private:
     std::vector<pollfd> sockets_;
     std::vector<char> buffer_;
     size_t last_;    // index of the port the last packet came by
+    bool fromAll_;
+    in_addr from_;
 };
 
 //! Sends packets to one place. That nobody listens there is no error.
@@ -122,7 +139,7 @@ private:
 class UdpReceiver
 {
 public:
-    explicit UdpReceiver(const std::vector<int>&) { fail("UDP needs POSIX sockets, which this system lacks"); }
+    UdpReceiver(const std::vector<int>&, const std::string&, const std::string&) { fail("UDP needs POSIX sockets, which this system lacks"); }
     bool receive(std::string&, int&, int) { return false; }
 };
 

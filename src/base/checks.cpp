@@ -30,10 +30,10 @@ Mat asRows(InputArray values, int channels, const char* name)
     return m;
 }
 
-void checkImage(const Mat& image)
+void checkImage(const Mat& image, const char* name)
 {
     if (image.empty() || (image.type() != CV_8UC1 && image.type() != CV_8UC3))
-        CV_Error(Error::StsUnsupportedFormat, format("image must be CV_8UC1 or CV_8UC3 and not empty, is %s of %d x %d",
+        CV_Error(Error::StsUnsupportedFormat, format("%s must be CV_8UC1 or CV_8UC3 and not empty, is %s of %d x %d", name,
                                                      typeToString(image.type()).c_str(), image.cols, image.rows));
 }
 

@@ -16,7 +16,7 @@ void checkFinite(InputArray values, const char* name);
 Mat asRows(InputArray values, int channels, const char* name);
 
 //! CV_8UC1 or CV_8UC3, not empty.
-void checkImage(const Mat& image);
+void checkImage(const Mat& image, const char* name = "image");
 
 }} // namespace cv::surgtrack
 

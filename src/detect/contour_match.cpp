@@ -131,6 +131,16 @@ float medianStrength(const Mat& image, const std::vector<ContourPoint>& points)
 
 } // namespace
 
+void checkSearch(const ContourSearch& search)
+{
+    CV_Check(search.halfWindow, search.halfWindow >= 1 && search.halfWindow <= maxHalf, "ContourSearch::halfWindow must be in 1..40");
+    CV_Check(search.preference, search.preference >= 0 && search.preference < DBL_MAX, "ContourSearch::preference must not be negative");
+    CV_Check(search.minStrength, search.minStrength >= 0 && search.minStrength < DBL_MAX, "ContourSearch::minStrength must not be negative");
+    CV_Check(search.contrast, search.contrast >= 0 && search.contrast < DBL_MAX, "ContourSearch::contrast must not be negative");
+    CV_Check(search.leastStrength, search.leastStrength >= 0 && search.leastStrength < DBL_MAX, "ContourSearch::leastStrength must not be negative");
+    CV_Check(search.ambiguity, search.ambiguity >= 0 && search.ambiguity <= 1, "ContourSearch::ambiguity must be in 0..1");
+}
+
 double strengthAsked(const Mat& image, const std::vector<ContourPoint>& points, const ContourSearch& search)
 {
     if (search.contrast <= 0) return search.minStrength;
@@ -146,12 +156,7 @@ int matchContour(InputArray _image, std::vector<ContourPoint>& points, const Con
 
 int matchContour(const Mat& image, std::vector<ContourPoint>& points, const ContourSearch& search, double leastStrength)
 {
-    CV_Check(search.halfWindow, search.halfWindow >= 1 && search.halfWindow <= maxHalf, "ContourSearch::halfWindow must be in 1..40");
-    CV_Check(search.preference, search.preference >= 0 && search.preference < DBL_MAX, "ContourSearch::preference must not be negative");
-    CV_Check(search.minStrength, search.minStrength >= 0 && search.minStrength < DBL_MAX, "ContourSearch::minStrength must not be negative");
-    CV_Check(search.contrast, search.contrast >= 0 && search.contrast < DBL_MAX, "ContourSearch::contrast must not be negative");
-    CV_Check(search.leastStrength, search.leastStrength >= 0 && search.leastStrength < DBL_MAX, "ContourSearch::leastStrength must not be negative");
-    CV_Check(search.ambiguity, search.ambiguity >= 0 && search.ambiguity <= 1, "ContourSearch::ambiguity must be in 0..1");
+    checkSearch(search);
     const int half = cvRound(search.halfWindow), reach = half + 4, n = 2 * reach + 1, channels = image.channels();
     float profile[3 * (2 * maxHalf + 9)], energy[2 * maxHalf + 9], prior[2 * maxHalf + 9];
     for (int i = 0; i < n; i++) prior[i] = search.preference > 0 ? std::exp(-0.5f * float((i - reach) * (i - reach)) / float(search.preference * search.preference * half * half)) : 1.f;

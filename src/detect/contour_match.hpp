@@ -9,6 +9,9 @@
 
 namespace cv { namespace surgtrack {
 
+//! @throws cv::Exception for values that are wrong
+void checkSearch(const ContourSearch& search);
+
 //! How strong an edge must be, by the picture around an outline, see ContourSearch::contrast. The same for all looks at it.
 double strengthAsked(const Mat& image, const std::vector<ContourPoint>& points, const ContourSearch& search);
 

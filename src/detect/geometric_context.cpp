@@ -85,7 +85,7 @@ public:
     {
         CV_Check(params.zoneAngle, params.zoneAngle > 0 && params.zoneAngle <= twoPi, "Params::zoneAngle must be in 0..2 pi");
         CV_Check(params.zoneRadius, params.zoneRadius > 0 && params.zoneRadius < DBL_MAX, "Params::zoneRadius must be positive");
-        CV_CheckGT(params.maxIterations, 0, "Params::maxIterations must be positive");
+        CV_Check(params.maxIterations, params.maxIterations > 0 && params.maxIterations <= 1000000, "Params::maxIterations must be in 1..1000000");
         CV_CheckGE(params.minInliers, 2, "Params::minInliers must be at least 2");
     }
 

@@ -84,6 +84,14 @@ public:
     void draw(const std::vector<ToolView>& views, int tool, PartDrawing& drawing, double scale, double rotation, bool alone) CV_OVERRIDE;
     void setImage(const Mat& image) CV_OVERRIDE;
     void release() CV_OVERRIDE { image_.release(); }
+    void takeBack() CV_OVERRIDE
+    {
+        release();
+        visible_ = before_.visible;
+        samples_ = before_.samples;
+        small_ = before_.small;
+        painted_[0] = painted_[1] = -1;
+    }
     void setMask(const Mat& mask) CV_OVERRIDE;
     bool isInterlaced() const CV_OVERRIDE { return interlaced_; }
     bool sees(const Point2d& p) const CV_OVERRIDE { return visible_.sees(enlarged(p, reduction_)); }
@@ -125,6 +133,7 @@ private:
     int preparedEnlargement_;
     Mat enlarged_;           // the (reduced) image at twice its size: up to date where it was asked for
     std::vector<uchar> small_;         // a tool: it is
+    struct { VisibleRegion visible; ImageSamples samples; std::vector<uchar> small; } before_;   // the last setImage()
     TemplateCopies copies_;
     std::vector<Rect> windows_;        // in the enlarged image
     std::vector<Point2d> expected_;   // a template; memory of find()
@@ -200,6 +209,9 @@ void PartFinderImpl::setImage(const Mat& image)
 {
     checkImage(image);
     CV_Assert(image.size() == imageSize_ && "image: of the camera's size");
+    before_.visible = visible_;
+    before_.samples = samples_;
+    before_.small = small_;
     image_ = image;
     interlaced_ = cv::surgtrack::isInterlaced(image);
     if (interlaced_)

@@ -55,8 +55,12 @@ public:
     PartTemplateRendererImpl(const Ptr<MeshRenderer>& renderer, const Params& params)
         : renderer_(renderer ? renderer : MeshRenderer::createSoftware()), params_(params)
     {
-        CV_CheckGT(params.boxSize, 0., "Params::boxSize must be positive");
+        CV_Check(params.boxSize, params.boxSize > 0 && params.boxSize <= 1, "Params::boxSize must be positive and at most 1 m");
         CV_CheckGT(params.maxFeatures, 0, "Params::maxFeatures must be positive");
+        params_.maxFeatures = std::min(params.maxFeatures, 65535 / 4);   // a matcher takes no more
+        CV_Check(params.magnitudeThreshold, params.magnitudeThreshold >= 0 && params.magnitudeThreshold < 1e4, "Params::magnitudeThreshold must be in 0..10000");
+        CV_Check(params.depthSlack, std::abs(params.depthSlack) < DBL_MAX, "Params::depthSlack must be finite");
+        CV_Check(params.tipDepthSlack, std::abs(params.tipDepthSlack) < DBL_MAX, "Params::tipDepthSlack must be finite");
     }
 
     int addTool(const Ptr<ToolModel>& model) CV_OVERRIDE;

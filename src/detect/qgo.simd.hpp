@@ -448,7 +448,7 @@ void similarityKernel(const uchar* planes, size_t step, const int* offsets, int 
                 ushort end[CV_SIMD_WIDTH];
                 v_store(end, lo[k]);
                 v_store(end + lanes16, hi[k]);
-                std::copy(end, end + window.width - x, out[k] + x);
+                std::copy(end, end + (window.width - x), out[k] + x);
             }
         }
 #else

@@ -59,10 +59,13 @@ public:
     {
         CV_Check(params.contrast, params.contrast >= 0 && params.contrast < DBL_MAX, "Params::contrast must not be negative");
         CV_Check(params.leastMagnitude, params.leastMagnitude >= 0 && params.leastMagnitude < DBL_MAX, "Params::leastMagnitude must not be negative");
+        CV_Check(params.magnitudeThreshold, params.magnitudeThreshold >= 0 && params.magnitudeThreshold < 1e4, "Params::magnitudeThreshold must be in 0..10000");
         if (params.contrast > 0) CV_CheckLE(params.magnitudeThreshold, 127., "Params::magnitudeThreshold: more goes without contrast only");
-        CV_Check(params.spread, params.spread > 0 && params.spread % 2 == 1, "Params::spread must be odd and positive");
+        CV_Check(params.spread, params.spread > 0 && params.spread % 2 == 1 && params.spread < 100, "Params::spread must be odd, positive and less than 100");
         CV_CheckGT(params.candidates, 0, "Params::candidates must be positive");
-        CV_CheckGE(params.suppressionRadius, 0, "Params::suppressionRadius must not be negative");
+        CV_Check(params.suppressionRadius, params.suppressionRadius >= 0 && params.suppressionRadius < 1000, "Params::suppressionRadius must be in 0..999");
+        CV_Check(params.minSimilarity, std::abs(params.minSimilarity) < DBL_MAX, "Params::minSimilarity must be finite");
+        CV_Check(params.relativeSimilarity, std::abs(params.relativeSimilarity) < DBL_MAX, "Params::relativeSimilarity must be finite");
     }
 
     void setImage(InputArray image, const Rect& roi, InputArray mask) CV_OVERRIDE;

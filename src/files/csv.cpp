@@ -7,7 +7,9 @@
 #include <clocale>
 #include <cstdlib>
 #include <cstring>
+#include "opencv2/core/utils/filesystem.hpp"
 #include "files/csv.hpp"
+#include "files/text_file.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -19,8 +21,12 @@ static bool isNumber(const char* text)
 }
 
 CsvReader::CsvReader(const String& filename, bool recorded)
-    : filename_(filename), file_(filename.c_str(), std::ios::binary), lineNumber_(0), separator_(','), recorded_(recorded)
+    : filename_(filename), lineNumber_(0), separator_(','), recorded_(recorded)
 {
+    const size_t mostColumns = 10000;
+    if (utils::fs::exists(filename) && !isRegularFile(filename))
+        CV_Error(Error::StsObjectNotFound, filename + ": can't be read: expected a file, not a folder, device or pipe");
+    file_.open(filename.c_str(), std::ios::binary);
     if (!file_)
         CV_Error(Error::StsObjectNotFound, format("%s: can't be read: %s", filename.c_str(), std::strerror(errno)));
     readHeader();
@@ -29,6 +35,8 @@ CsvReader::CsvReader(const String& filename, bool recorded)
     split();
     if (isNumber(cells_[0]))
         fail("holds values, expected a header: the names of the columns");
+    if (cells_.size() > mostColumns)
+        fail(format("expected at most %d columns", (int)mostColumns));
     for (size_t i = 0; i < cells_.size(); i++)
     {
         const String name(cells_[i]);

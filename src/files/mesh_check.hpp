@@ -5,31 +5,34 @@
 #ifndef OPENCV_SURGTRACK_SRC_FILES_MESH_CHECK_HPP
 #define OPENCV_SURGTRACK_SRC_FILES_MESH_CHECK_HPP
 
-#include "opencv2/core.hpp"
+#include "opencv2/surgtrack/tool_model.hpp"
 
 namespace cv { namespace surgtrack {
 
-/** What Assimp would take for a mesh though it is damaged, or not take though it is none the worse: texts of STL that are cut off, spaces before and
-bytes behind; numbers in OBJ that are none, and faces with vertices that are not there. Such a file is an error, never a part of the mesh. */
+/** STL, and a check of OBJ. Whether an STL file is text or binary is decided here alone: Assimp 5.2 takes a text with letters that are not ASCII
+for binary, and its size from there. And it takes OBJ for a mesh though it is damaged: numbers that are none, faces with vertices that are not
+there. Such a file is an error, never a part of the mesh. */
 class MeshCheck
 {
 public:
-    //! @param data the file's content; spaces before an STL and what follows it are dropped
-    MeshCheck(const String& filename, std::string& data) : filename_(filename), data_(data), pos_(0) {}
+    //! @param data the file's content
+    MeshCheck(const String& filename, const std::string& data) : filename_(filename), data_(data), pos_(0) {}
 
-    void checkSTL();
-    void checkOBJ();
+    Mesh readSTL();
+    //! @return what of the file is a mesh: its vertices and faces
+    std::string checkedOBJ();
 
 private:
     CV_NORETURN void fail(const String& what) const { CV_Error(Error::StsParseError, filename_ + ": " + what); }
-    void checkTextSTL();
+    Mesh readTextSTL();
+    Mesh readBinarySTL(int64 triangles) const;
     String nextWord();
-    double nextNumber();
-    void checkVertex(const char* text, int line) const;
-    void checkFace(const char* text, const int64* count, int line) const;
+    float nextNumber();
+    void checkVertex(const char* text, int line, std::string& checked) const;
+    void checkFace(const char* text, const int64* count, int line, std::string& checked) const;
 
     String filename_;
-    std::string& data_;
+    const std::string& data_;
     size_t pos_;
 };
 

@@ -3,10 +3,10 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-#include <fstream>
 #include "base/geometry.hpp"
 #include "files/mesh_reader.hpp"
 #include "files/mesh_io.hpp"
+#include "files/text_file.hpp"
 #include "model/mesh.hpp"
 
 namespace cv { namespace surgtrack {
@@ -30,7 +30,8 @@ void writePLY(const String& filename, const Mesh& mesh)
 {
     const int one = 1;
     const bool littleEndian = *(const char*)&one == 1;
-    std::ofstream file(filename.c_str(), std::ios::binary);
+    std::ostringstream file;
+    file.imbue(std::locale::classic());
     file << "ply\nformat " << (littleEndian ? "binary_little_endian" : "binary_big_endian") << " 1.0\ncomment metres\n"
          << "element vertex " << mesh.vertices.size() << "\nproperty float x\nproperty float y\nproperty float z\n"
          << "element face " << mesh.triangles.size() << "\nproperty list uchar int vertex_indices\nend_header\n";
@@ -41,9 +42,7 @@ void writePLY(const String& filename, const Mesh& mesh)
         file.put(3);
         file.write((const char*)mesh.triangles[i].val, 3 * sizeof(int));
     }
-    file.close();
-    if (!file)
-        CV_Error(Error::StsError, filename + ": cannot be written");
+    writeContent(filename, file.str());
 }
 
 Mesh loadMesh(const String& filename, double scale)

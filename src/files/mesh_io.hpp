@@ -14,6 +14,9 @@ namespace cv { namespace surgtrack {
 //! Reads and checks a mesh file: triangles, duplicate points merged, in the link's frame [m]; no normals yet.
 Mesh readMesh(const String& filename, double scale, const Matx44d& link_T_mesh);
 
+//! ToolModel::create() of what a file says, which an error names.
+Ptr<ToolModel> createTool(const String& filename, const ToolModel::Description& tool);
+
 //! Quadric decimation to at most maxTriangles in all, with one measure of error for all meshes, whose points are merged. Drops the normals.
 void decimateMeshes(std::vector<Mesh>& meshes, int maxTriangles);
 

@@ -3,13 +3,11 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-#include "opencv2/core/utils/filesystem.hpp"
 #include "files/joint_names.hpp"
 #include "files/mesh_check.hpp"
 #include "files/mesh_reader.hpp"
 #include "files/ply_reader.hpp"
-
-#include <fstream>
+#include "files/text_file.hpp"
 
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
@@ -22,14 +20,7 @@ namespace {
 
 std::string contentOf(const String& filename)
 {
-    std::ifstream file;
-    if (!utils::fs::isDirectory(filename))
-        file.open(filename.c_str(), std::ios::binary);
-    if (!file.is_open())
-        CV_Error(Error::StsObjectNotFound, filename + ": expected a mesh file that can be read");
-    std::ostringstream content;
-    content << file.rdbuf();
-    const std::string data = content.str();
+    const std::string data = readContent(filename, "a mesh file");
     if (data.compare(0, 42, "version https://git-lfs.github.com/spec/v1") == 0)
         CV_Error(Error::StsParseError, filename + ": is the pointer git-LFS leaves in the place of a file, expected the mesh itself: run `git lfs pull` "
                                                   "where it comes from");
@@ -58,17 +49,16 @@ Mesh readMeshFile(const String& filename)
     const String extension = dot == String::npos ? String() : lowerCase(filename.substr(dot + 1));
     if (data.compare(0, 10, "ISO-10303-") == 0 || extension == "step" || extension == "stp" || extension == "iges" || extension == "igs")
         CV_Error(Error::StsParseError, filename + ": is of surfaces (STEP, IGES), expected triangles: CAD programs export these as STL");
-    if (extension == "ply")
+    if (extension == "ply" || extension == "stl")
     {
-        const Mesh mesh = PlyReader(filename, data).read();
+        const Mesh mesh = extension == "ply" ? PlyReader(filename, data).read() : MeshCheck(filename, data).readSTL();
         if (mesh.triangles.empty())
             CV_Error(Error::StsParseError, filename + ": expected at least one triangle");
         return mesh;
     }
-    if (extension == "stl")
-        MeshCheck(filename, data).checkSTL();
-    else if (extension == "obj")
-        MeshCheck(filename, data).checkOBJ();
+    const bool obj = extension == "obj";
+    if (obj)
+        data = MeshCheck(filename, data).checkedOBJ();
 
     Assimp::Importer importer;
     if (extension.empty() || !importer.IsExtensionSupported("." + extension))
@@ -76,9 +66,7 @@ Mesh readMeshFile(const String& filename)
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_LINE | aiPrimitiveType_POINT);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);   // as ROS has it: axes are those of the file
     const unsigned steps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_PreTransformVertices | aiProcess_ValidateDataStructure;
-    // From memory where a file is all there is: what was checked is what is read.
-    const bool alone = extension == "stl" || extension == "obj";
-    const aiScene* const scene = alone ? importer.ReadFileFromMemory(data.data(), data.size(), steps, extension.c_str()) : importer.ReadFile(filename, steps);
+    const aiScene* const scene = obj ? importer.ReadFileFromMemory(data.data(), data.size(), steps, extension.c_str()) : importer.ReadFile(filename, steps);
     Mesh mesh;
     for (unsigned i = 0; scene && i < scene->mNumMeshes; ++i)
         append(*scene->mMeshes[i], mesh);

@@ -71,6 +71,9 @@ std::vector<NodeReader> NodeReader::sequence() const
 {
     if (!node_.isSeq())
         expected("a sequence");
+    const size_t most = 1000;   // links, keypoints, tools: what is done for them grows with their square
+    if (node_.size() > most)
+        expected(format("at most %d items", (int)most));
     std::vector<NodeReader> items;
     for (FileNodeIterator it = node_.begin(); it != node_.end(); ++it)
         items.push_back(NodeReader(filename_, *it, path_ + format("[%d]", (int)items.size())));

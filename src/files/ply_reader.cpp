@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "files/ply_reader.hpp"
+#include "files/text_file.hpp"
 
 #include <cctype>
 #include <cfloat>
@@ -53,6 +54,8 @@ std::vector<PlyReader::Element> PlyReader::readHeader(String& plyFormat)
             words >> e.name >> e.count;
             if (e.count < 0 || e.count > INT_MAX)
                 fail("expected `element NAME COUNT`, found `" + line + "`");
+            if (elements.size() == 100)
+                fail("expected at most 100 kinds of elements");
             elements.push_back(e);
         }
         else if (word == "property")
@@ -67,7 +70,7 @@ std::vector<PlyReader::Element> PlyReader::readHeader(String& plyFormat)
             }
             p.value = plyType(type);
             words >> p.name;
-            if (elements.empty() || !p.value.size || (list && !p.count.isInteger) || (isFaceList(p.name) && !p.value.isInteger))
+            if (elements.empty() || p.name.empty() || !p.value.size || (list && !p.count.isInteger) || (isFaceList(p.name) && !p.value.isInteger))
                 fail("expected `property TYPE NAME` or `property list TYPE TYPE NAME` of an element, found `" + line + "`");
             elements.back().properties.push_back(p);
         }
@@ -90,8 +93,8 @@ double PlyReader::nextNumber()
     while (pos_ < data_.size() && std::isspace((uchar)data_[pos_]))
         ++pos_;
     need(1);
-    char* end = 0;
-    const double value = std::strtod(data_.c_str() + pos_, &end);
+    const char* end = 0;
+    const double value = toDouble(data_.c_str() + pos_, end);
     const size_t newPos = end - data_.c_str();
     if (newPos == pos_ || (newPos < data_.size() && !std::isspace((uchar)*end)))
         fail("expected a number, found `" + data_.substr(pos_, 16) + "`");
@@ -129,7 +132,7 @@ void PlyReader::addFace(const std::vector<double>& corners, int64 vertices)
     if (corners.size() < 3)
         fail(format("expected at least three vertices in each face, found %d", (int)corners.size()));
     for (size_t k = 0; k < corners.size(); ++k)
-        if (!(corners[k] >= 0 && corners[k] < (double)vertices))
+        if (!(corners[k] >= 0 && corners[k] < (double)vertices && corners[k] == std::floor(corners[k])))
             fail(format("a face names vertex %g of %lld", corners[k], (long long)vertices));
     for (size_t k = 2; k < corners.size(); ++k)
         mesh_.triangles.push_back(Vec3i((int)corners[0], (int)corners[k - 1], (int)corners[k]));
@@ -150,7 +153,9 @@ void PlyReader::readTextElement(const Element& element, int64 vertices)
 {
     const size_t begin = pos_;
     String line;
-    nextPLYLine(line, format("%lld elements `%s`", (long long)element.count, element.name.c_str()).c_str());
+    if (pos_ >= data_.size())
+        fail(format("truncated: expected %lld elements `%s`", (long long)element.count, element.name.c_str()));
+    nextPLYLine(line, "an element");
     const size_t next = pos_, end = begin + line.size();
     pos_ = begin;
     for (size_t p = 0; p < element.properties.size(); ++p)
@@ -214,6 +219,9 @@ Mesh PlyReader::read()
             vertices = elements[e].count;
     }
     for (size_t e = 0; e < elements.size(); ++e)
+    {
+        if (!ascii && elements[e].properties.empty())   // takes no bytes, however many there are
+            continue;
         for (int64 i = 0; i < elements[e].count; ++i)
         {
             if (elements[e].name == "vertex")
@@ -223,6 +231,7 @@ Mesh PlyReader::read()
             else
                 readBinaryElement(elements[e], vertices, bigEndian);
         }
+    }
     return mesh_;
 }
 

@@ -163,6 +163,9 @@ Ptr<PoseWriter> PoseWriter::create(const String& filename, const std::vector<Str
 {
     CV_CheckEQ(tools.size(), models.size(), "one model per tool");
     CV_Assert(!tools.empty());
+    for (size_t i = 0; i < tools.size(); i++)
+        for (size_t k = 0; k < i; k++)
+            if (tools[i] == tools[k]) CV_Error(Error::StsBadArg, format("tools[%d]: expected another name for each tool, '%s' is there twice", int(i), tools[i].c_str()));
     for (size_t i = 0; i < models.size(); i++)
         if (!models[i]) CV_Error(Error::StsBadArg, format("models[%d] is empty", int(i)));
     std::vector<String> columns(evidenceColumns, evidenceColumns + sizeof(evidenceColumns) / sizeof(*evidenceColumns));

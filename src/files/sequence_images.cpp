@@ -7,6 +7,7 @@
 #include "opencv2/surgtrack/fields.hpp"
 #include "opencv2/surgtrack/sequence.hpp"
 #include "files/node_reader.hpp"
+#include "files/text_file.hpp"
 
 // Cameras and videos, and the eyes' images in the frames of these.
 
@@ -120,7 +121,7 @@ Mat Sequence::mask(int eye) const
     CV_Check(eye, eye >= 0 && eye <= 1, "eye must be 0 or 1");
     const String& filename = masks_[eye];
     if (filename.empty()) return Mat();
-    const Mat mask = imread(filename, IMREAD_GRAYSCALE);
+    const Mat mask = isRegularFile(filename) ? imread(filename, IMREAD_GRAYSCALE) : Mat();
     const Size size = left_.imageSize();
     if (mask.empty())
         CV_Error(Error::StsObjectNotFound, format("%s: key mask: %s can't be read, expected an image", filename_.c_str(), filename.c_str()));

@@ -103,7 +103,7 @@ public:
             if ((*it).name() != "tools")
                 copyKey(out, (*it).name());
         putTools(out);
-        writeText(filename_, out.releaseAndGetString());
+        writeContent(filename_, out.releaseAndGetString());
     }
 
 private:
@@ -363,7 +363,7 @@ void writeHandEye(const String& sequence, const String& tool, const Matx44d& cam
         || !sameNodes(storage.root(), check.root(), "", key))
         CV_Error(Error::StsParseError, format("%s: key tools[%d].camera_T_base can't be replaced, expected a 4x4 opencv-matrix of type d with its numbers in brackets",
                                               filename.c_str(), index));
-    writeAtOnce(filename, after);
+    writeContent(filename, after);
 }
 
 }} // namespace cv::surgtrack

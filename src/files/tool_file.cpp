@@ -245,6 +245,18 @@ void writeLimits(FileStorage& file, const ToolModel::Description& tool)
 
 } // namespace
 
+Ptr<ToolModel> createTool(const String& filename, const ToolModel::Description& tool)
+{
+    try
+    {
+        return ToolModel::create(tool);
+    }
+    catch (const Exception& e)
+    {
+        importError(filename, e.err);
+    }
+}
+
 Ptr<ToolModel> ToolModel::load(const String& filename, int maxTriangles)
 {
     CV_CheckGE(maxTriangles, 0, "maxTriangles: 0 keeps all");
@@ -258,7 +270,7 @@ Ptr<ToolModel> ToolModel::load(const String& filename, int maxTriangles)
         tool.coordinates.push_back(newName(coordinates[i], tool.coordinates));
     parseLimits(root, tool);
     parseLinks(root, maxTriangles, tool);
-    return create(tool);
+    return createTool(filename, tool);
 }
 
 void ToolModel::save(const String& filename) const
@@ -271,9 +283,7 @@ void ToolModel::save(const String& filename) const
     for (size_t i = 0; i < description_.meshes.size(); ++i)
         writePLY(utils::fs::join(folder, format("%s_%d.ply", stem.c_str(), (int)i)), description_.meshes[i]);
 
-    FileStorage file(filename, FileStorage::WRITE);
-    if (!file.isOpened())
-        CV_Error(Error::StsError, filename + ": cannot be written");
+    FileStorage file = newStorage(filename);
     file << "name" << description_.name << "coordinates" << "[:";
     for (size_t i = 0; i < description_.coordinates.size(); ++i)
         file << description_.coordinates[i];
@@ -306,6 +316,7 @@ void ToolModel::save(const String& filename) const
         file << "}";
     }
     file << "]";
+    writeContent(filename, file.releaseAndGetString());
 }
 
 }} // namespace cv::surgtrack

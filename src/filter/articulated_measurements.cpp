@@ -89,7 +89,7 @@ bool ArticulatedPoseEKFImpl::posterior(const Matrix& P, const SeenMatrix& seenA,
     const Matrix W = cholesky.matrixL().solve(Matrix(L.transpose()));
     result = W.transpose() * W;
     x = result * ofState(seenb);
-    return x.allFinite();
+    return x.allFinite() && result.allFinite();
 }
 
 Vector ArticulatedPoseEKFImpl::ofState(const SeenVector& b) const

@@ -38,22 +38,22 @@ namespace {
 
 void checkParams(const ArticulatedPoseEKF::Params& p)
 {
-    CV_Check(p.initialRotation, p.initialRotation > 0 && p.initialRotation < DBL_MAX, "Params::initialRotation must be positive");
-    CV_Check(p.initialTranslation, p.initialTranslation > 0 && p.initialTranslation < DBL_MAX, "Params::initialTranslation must be positive");
-    CV_Check(p.processRotation, p.processRotation >= 0 && p.processRotation < DBL_MAX, "Params::processRotation must not be negative");
-    CV_Check(p.processTranslation, p.processTranslation >= 0 && p.processTranslation < DBL_MAX, "Params::processTranslation must not be negative");
-    CV_Check(p.processJoint, p.processJoint >= 0 && p.processJoint < DBL_MAX, "Params::processJoint must not be negative");
-    CV_Check(p.gain, p.gain >= 0 && p.gain < DBL_MAX, "Params::gain must not be negative");
-    CV_Check(p.play, p.play >= 0 && p.play < DBL_MAX, "Params::play must not be negative");
-    CV_Check(p.coupling, p.coupling >= 0 && p.coupling < DBL_MAX, "Params::coupling must not be negative");
-    CV_Check(p.delay, p.delay >= 0 && p.delay < DBL_MAX, "Params::delay must not be negative");
+    CV_Check(p.initialRotation, p.initialRotation > 0 && p.initialRotation < 1e4, "Params::initialRotation must be positive and less than 1e4");
+    CV_Check(p.initialTranslation, p.initialTranslation > 0 && p.initialTranslation < 1e4, "Params::initialTranslation must be positive and less than 1e4");
+    CV_Check(p.processRotation, p.processRotation >= 0 && p.processRotation < 1e4, "Params::processRotation must be at least 0 and less than 1e4");
+    CV_Check(p.processTranslation, p.processTranslation >= 0 && p.processTranslation < 1e4, "Params::processTranslation must be at least 0 and less than 1e4");
+    CV_Check(p.processJoint, p.processJoint >= 0 && p.processJoint < 1e4, "Params::processJoint must be at least 0 and less than 1e4");
+    CV_Check(p.gain, p.gain >= 0 && p.gain < 1e4, "Params::gain must be at least 0 and less than 1e4");
+    CV_Check(p.play, p.play >= 0 && p.play < 1e4, "Params::play must be at least 0 and less than 1e4");
+    CV_Check(p.coupling, p.coupling >= 0 && p.coupling < 1e4, "Params::coupling must be at least 0 and less than 1e4");
+    CV_Check(p.delay, p.delay >= 0 && p.delay < 1e4, "Params::delay must be at least 0 and less than 1e4");
     CV_Check(p.exact, p.exact >= 0 && p.exact < 1, "Params::exact must be a probability below 1");
-    CV_Check(p.pointNoise, p.pointNoise > 0 && p.pointNoise < DBL_MAX, "Params::pointNoise must be positive");
+    CV_Check(p.pointNoise, p.pointNoise > 1e-4 && p.pointNoise < 1e4, "Params::pointNoise must be more than 1e-4 and less than 1e4");
     CV_Check(p.gate, p.gate < DBL_MAX, "Params::gate must be a number");
-    CV_Check(p.contourNoise, p.contourNoise > 0 && p.contourNoise < DBL_MAX, "Params::contourNoise must be positive");
-    CV_Check(p.edgeBias, p.edgeBias > 0 && p.edgeBias < DBL_MAX, "Params::edgeBias must be positive");
-    CV_Check(p.bloom, p.bloom > 0 && p.bloom < DBL_MAX, "Params::bloom must be positive");
-    CV_Check(p.contourCorrelation, p.contourCorrelation >= 1 && p.contourCorrelation < DBL_MAX, "Params::contourCorrelation must be 1 or more");
+    CV_Check(p.contourNoise, p.contourNoise > 1e-4 && p.contourNoise < 1e4, "Params::contourNoise must be more than 1e-4 and less than 1e4");
+    CV_Check(p.edgeBias, p.edgeBias > 1e-4 && p.edgeBias < 1e4, "Params::edgeBias must be more than 1e-4 and less than 1e4");
+    CV_Check(p.bloom, p.bloom > 1e-4 && p.bloom < 1e4, "Params::bloom must be more than 1e-4 and less than 1e4");
+    CV_Check(p.contourCorrelation, p.contourCorrelation >= 1 && p.contourCorrelation < 1e4, "Params::contourCorrelation must be 1 or more and less than 1e4");
 }
 
 void store(const Estimate& from, ArticulatedPoseEKF::Belief& to)
@@ -97,7 +97,8 @@ void restore(const AutoBuffer<double, 16>& from, std::vector<double>& to)
 } // namespace
 
 ArticulatedPoseEKFImpl::ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params)
-    : model_(model), nominal_T_base_(nominal_T_base), params_(params), exact_(params.exact), history_(model ? model->coordinateNames().size() : 0)
+    : model_(model), nominal_T_base_(nominal_T_base), params_(params), exact_(params.exact), history_(model ? model->coordinateNames().size() : 0),
+      earlier_(history_)
 {
     CV_Assert(model);
     CV_Assert(isRigid(nominal_T_base) && "nominal_T_base: rigid");
@@ -285,6 +286,7 @@ void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double g
     checkFinite(joints, "joints");
     CV_Check(growth, growth >= 0 && growth < DBL_MAX, "growth must not be negative");
     CV_Check(seconds, seconds >= 0 && seconds < DBL_MAX, "seconds must not be negative");
+    if (seconds > 0) earlier_ = history_;
     history_.add(joints.data(), seconds);
     if (reference_.empty()) reference_ = joints_ = joints;
     JointErrors::hang(joints_.data(), joints.data(), joints.size(), &directions_[0]);

@@ -50,7 +50,7 @@ public:
                    double tolerance) CV_OVERRIDE;
     double surprise(double rotation, double translation) const CV_OVERRIDE;
     bool solve() CV_OVERRIDE;
-    void dropReadings() CV_OVERRIDE { history_.takeBack(); }
+    void dropReadings() CV_OVERRIDE { history_ = earlier_; }
     State state() const CV_OVERRIDE;
     void setState(const State& state) CV_OVERRIDE;
     void setHandEye(const Matx44d& nominal_T_base) CV_OVERRIDE;
@@ -109,7 +109,7 @@ private:
     Matrix phi_;                      // d = phi theta
     std::vector<double> offsets_;     // of a coordinate, d
     ExactReadings exact_;
-    ReadingHistory history_;
+    ReadingHistory history_, earlier_;   // earlier_: before the last frame
     std::vector<double> late_, rates_;   // of a coordinate: reading at the image's time less that of the frame, and its change a second
     std::vector<double> corrected_;
     ToolView view_;

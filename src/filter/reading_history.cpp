@@ -12,19 +12,13 @@ void ReadingHistory::add(const double* readings, double seconds)
     bool jumps = seconds > longestGap;
     for (size_t i = 0; i < n_ && !jumps && count_ > 0 && seconds > 0; i++) jumps = std::abs(readings[i] - of(0)[i]) > fastest * seconds;
     if (jumps) count_ = 0;
-    if (seconds > 0 || count_ == 0)
+    if (seconds > shortestGap || count_ == 0)
     {
         last_ = (last_ + 1) % frames;
         count_ = std::min(count_ + 1, int(frames));
         ages_[last_] = seconds;
     }
     std::copy(readings, readings + n_, &values_[last_ * n_]);
-}
-
-void ReadingHistory::takeBack()
-{
-    if (count_ > 0) count_--;
-    last_ = (last_ + frames - 1) % frames;
 }
 
 void ReadingHistory::at(double seconds, double* difference, double* rate) const

@@ -16,16 +16,15 @@ class ReadingHistory
 public:
     explicit ReadingHistory(size_t coordinates) : n_(coordinates), last_(0), count_(0), values_(frames * coordinates), ages_(frames) {}
 
-    //! @param seconds since the last; 0: instead of it
+    //! @param seconds since the last; 0, or next to it: instead of it
     void add(const double* readings, double seconds);
     void clear() { count_ = 0; }
-    //! As if the last add() of a new frame had not been; the oldest frame may be lost.
-    void takeBack();
     //! Readings at a time from the newest on, less the newest, and their rates. @param seconds negative: earlier
     void at(double seconds, double* difference, double* rate) const;
 
 private:
     static const int frames = 8;
+    static constexpr double shortestGap = 1e-4;   // [s]; of less no rate can be told
     static constexpr double longestGap = 0.5;   // [s]; beyond, nothing is known of what was between
 
     static constexpr double fastest = 15;     // [rad/s or m/s]; twice what instruments' wrists do: more is another recording, or a glitch

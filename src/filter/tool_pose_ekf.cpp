@@ -171,11 +171,11 @@ public:
     ToolPoseEKFImpl(const CameraModel& camera, const Params& params) : camera_(camera), params_(params)
     {
         CV_Assert(!camera.imageSize().empty());
-        CV_Check(params.measurementNoise, params.measurementNoise > 0 && params.measurementNoise < DBL_MAX, "Params::measurementNoise must be positive");
-        CV_Check(params.initialRotation, params.initialRotation >= 0 && params.initialRotation < DBL_MAX, "Params::initialRotation must not be negative");
-        CV_Check(params.initialTranslation, params.initialTranslation >= 0 && params.initialTranslation < DBL_MAX, "Params::initialTranslation must not be negative");
-        CV_Check(params.processRotation, params.processRotation >= 0 && params.processRotation < DBL_MAX, "Params::processRotation must not be negative");
-        CV_Check(params.processTranslation, params.processTranslation >= 0 && params.processTranslation < DBL_MAX, "Params::processTranslation must not be negative");
+        CV_Check(params.measurementNoise, params.measurementNoise > 1e-4 && params.measurementNoise < 1e4, "Params::measurementNoise must be more than 1e-4 and less than 1e4");
+        CV_Check(params.initialRotation, params.initialRotation >= 0 && params.initialRotation < 1e4, "Params::initialRotation must be at least 0 and less than 1e4");
+        CV_Check(params.initialTranslation, params.initialTranslation >= 0 && params.initialTranslation < 1e4, "Params::initialTranslation must be at least 0 and less than 1e4");
+        CV_Check(params.processRotation, params.processRotation >= 0 && params.processRotation < 1e4, "Params::processRotation must be at least 0 and less than 1e4");
+        CV_Check(params.processTranslation, params.processTranslation >= 0 && params.processTranslation < 1e4, "Params::processTranslation must be at least 0 and less than 1e4");
         CV_Check(params.gate, params.gate < DBL_MAX, "Params::gate must be a number");
         Q_ << Vector6::Constant(params.processRotation).head<3>(), Vector6::Constant(params.processTranslation).tail<3>();
         Q_ = Q_.cwiseAbs2().eval();
@@ -194,6 +194,14 @@ public:
     void changeFrames(const Matx44d& now_T_camera, const Matx44d& nominal_T_now) CV_OVERRIDE;
 
     void predict() CV_OVERRIDE { P_.diagonal() += Q_; }
+
+    void copyTo(ToolPoseEKF& other) const CV_OVERRIDE
+    {
+        ToolPoseEKFImpl& to = static_cast<ToolPoseEKFImpl&>(other);   // there are no others
+        to.x_ = x_;
+        to.P_ = P_;
+        to.nis_ = nis_;
+    }
 
     bool correct(InputArray nominalPoints, InputArray imagePoints, OutputArray used) CV_OVERRIDE;
 

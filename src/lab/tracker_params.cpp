@@ -271,10 +271,10 @@ void writeTrackerParams(const String& filename, const ToolTracker::Params& param
 {
     ToolTracker::Params params = params_;
     ToolTracker::Stages stages = stages_;
-    FileStorage file(filename, FileStorage::WRITE);
-    if (!file.isOpened()) CV_Error(Error::StsError, filename + ": can't be written");
+    FileStorage file = newStorage(filename);
     Writer writer(file);
     visitAll(writer, params, stages);
+    writeContent(filename, file.releaseAndGetString());
 }
 
 void setTrackerParam(const String& name, const String& value, ToolTracker::Params& params, ToolTracker::Stages& stages)

@@ -8,6 +8,11 @@
 
 namespace cv { namespace surgtrack {
 
+const int largestImage = 32768;   // side [pixel]
+
+static void checkField(const CameraModel& camera);
+static void checkLens(const CameraModel& camera);
+
 CameraModel::CameraModel() : fx(1), fy(1), cx(0), cy(0), size_(0, 0), distorted_(false)
 {
     std::fill(k, k + 12, 0.);
@@ -21,8 +26,8 @@ CameraModel::CameraModel(InputArray cameraMatrix, InputArray distCoeffs, Size im
     const int n = int(D.total() * D.channels());
     if ((n != 0 && n != 4 && n != 5 && n != 8 && n != 12) || (n != 0 && D.rows != 1 && D.cols != 1))
         CV_Error(Error::StsBadArg, format("distCoeffs must have 0, 4, 5, 8 or 12 coefficients, has %d", n));
-    if (imageSize.width <= 0 || imageSize.height <= 0)
-        CV_Error(Error::StsBadSize, format("imageSize must be positive, is %d x %d", imageSize.width, imageSize.height));
+    if (imageSize.width <= 0 || imageSize.height <= 0 || std::max(imageSize.width, imageSize.height) > largestImage)
+        CV_Error(Error::StsBadSize, format("imageSize must be positive and at most %d, is %d x %d", largestImage, imageSize.width, imageSize.height));
 
     Mat_<double> K64, D64;
     K.convertTo(K64, CV_64F);
@@ -40,6 +45,8 @@ CameraModel::CameraModel(InputArray cameraMatrix, InputArray distCoeffs, Size im
     }
     size_ = imageSize;
     distorted_ = std::count(k, k + 12, 0.) != 12;
+    checkField(*this);
+    if (distorted_) checkLens(*this);
 }
 
 CameraPair::CameraPair() : right_T_left(Matx44d::eye()) {}
@@ -127,6 +134,55 @@ void CameraModel::unprojectPoints(InputArray imagePoints, OutputArray rays) cons
     rays.create(points.rows, 1, CV_64FC2);
     Mat out = rays.getMat();
     for (int i = 0; i < points.rows; i++) out.at<Point2d>(i) = unproject(*this, *points.ptr<Point2d>(i));
+}
+
+//! That rays to the image are some of a lens: what is near 180 degrees, or a thousand images beside the axis, is a slip of units.
+static void checkField(const CameraModel& camera)
+{
+    const Size size = camera.imageSize();
+    const double f[] = {camera.fx, camera.fy}, c[] = {camera.cx, camera.cy}, side[] = {double(size.width), double(size.height)};
+    for (int i = 0; i < 2; i++)
+        if (!(f[i] >= 1e-3 * side[i] && f[i] <= 1e6 * side[i] && std::abs(c[i]) <= 1e3 * side[i]))
+            CV_Error(Error::StsBadArg, format("cameraMatrix: expected a focal length from 0.001 to 1e6, and a principal point within 1000, times the %d pixels "
+                                              "of the image's %s, found %g and %g", cvRound(side[i]), i ? "height" : "width", f[i], c[i]));
+}
+
+//! Where the model has a pole, or folds back, several rays come to one pixel, or none does.
+static void checkLens(const CameraModel& camera)
+{
+    const Size size = camera.imageSize();
+    const double* k = camera.k;
+    const int borders = 8, steps = 16;
+    const double margin = 1.02;   // a little beyond the image is drawn, too
+    for (int i = 0; i <= borders; i++)
+        for (int side = 0; side < 4; side++)
+        {
+            const double s = double(i) / borders, w = size.width, h = size.height;
+            const Point2d pixel = Point2d(side < 2 ? s * w : side == 2 ? 0 : w, side < 2 ? (side ? h : 0) : s * h) - Point2d(0.5, 0.5);
+            const Point2d ray = unproject(camera, pixel), back = camera.project(Point3d(ray.x, ray.y, 1));
+            bool sound = norm(back - pixel) < 0.5;
+            const double far2 = margin * margin * ray.dot(ray);
+            // Of the denominator 1 + k4 r^2 + k5 r^4 + k6 r^6 the least value is at an end or where its slope is 0.
+            double places[] = {far2, 0, 0};
+            const double root = 4 * k[6] * k[6] - 12 * k[5] * k[7];
+            for (int j = 0; j < 2 && root >= 0; j++)
+                places[1 + j] = k[7] != 0 ? (-2 * k[6] + (j ? 1 : -1) * std::sqrt(root)) / (6 * k[7]) : k[6] != 0 ? -k[5] / (2 * k[6]) : 0.;
+            for (int j = 0; j < 3; j++)
+            {
+                const double r2 = places[j];
+                sound = sound && !(r2 > 0 && r2 <= far2 && !(1 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])) > 1e-3));
+            }
+            for (int j = 1; j <= steps && sound; j++)
+            {
+                double x, y;
+                Matx22d J;
+                distort(k, ray.x * j * margin / steps, ray.y * j * margin / steps, x, y, &J);
+                sound = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0) > 0 && J(0, 0) + J(1, 1) > 0;
+            }
+            if (!sound)
+                CV_Error(Error::StsBadArg, format("distCoeffs: expected a lens that gives each pixel one ray, this one folds or has a pole within the image, "
+                                                  "at or before pixel (%.0f, %.0f)", pixel.x, pixel.y));
+        }
 }
 
 Rect2d CameraModel::fieldOfView(const Rect& window) const

@@ -18,7 +18,7 @@ String stateName(int state)
 
 ToolEstimate::ToolEstimate()
     : state(STATE_INITIALIZING), camera_T_tool(Matx44d::eye()), camera_T_nominal(Matx44d::eye()), covariance(Matx66d::zeros()),
-      visibleParts(0), inliers(0), similarity(0), contourSupport(0), confidence(0), nis(0), delay(0)
+      visibleParts(0), inliers(0), similarity(0), contourSupport(0), confidence(0), nis(0), delay(0), skippedReadings(0)
 {
 }
 

@@ -28,6 +28,9 @@ void expect(bool condition, const String& what)
         CV_Error(Error::StsBadArg, what);
 }
 
+// Far beyond any tool, and near enough that sums and squares of what a file says stay numbers.
+const double longest = 1000, largestFactor = 1e4, largestAngle = 1e4;   // [m], [], [rad]
+
 void checkNewName(std::set<String>& names, const String& name, const String& path)
 {
     expect(!name.empty() && names.insert(name).second, path + ": expected a name of its own, found `" + name + "`");
@@ -37,7 +40,7 @@ void checkMesh(const Mesh& mesh, const String& path)
 {
     expect(!mesh.triangles.empty(), path + ".triangles: expected at least one");
     expect(mesh.normals.size() == mesh.vertices.size(), path + ".normals: expected one per vertex");
-    expect(checkRange(mesh.vertices), path + ".vertices: expected finite numbers");
+    expect(checkRange(mesh.vertices, true, 0, -longest, longest), path + format(".vertices: expected finite numbers, within %g m", longest));
     expect(checkRange(mesh.normals), path + ".normals: expected finite numbers");
     for (size_t i = 0; i < mesh.triangles.size(); ++i)
         for (int k = 0; k < 3; ++k)
@@ -66,7 +69,10 @@ void checkDescription(const ToolModel::Description& tool)
                path + ".coordinate: expected the index of a coordinate, or -1 for a fixed joint");
         expect(checkRange(Vec<double, 5>(link.scale, link.alpha, link.a, link.theta, link.d)),
                path + ": expected finite scale, alpha, a, theta and d");
-        expect(link.offsetDeviation < 0 || (link.offsetDeviation < DBL_MAX && !fixed),
+        expect(std::abs(link.scale) <= largestFactor && std::max(std::abs(link.a), std::abs(link.d)) <= longest
+                   && std::max(std::abs(link.alpha), std::abs(link.theta)) <= largestAngle,
+               path + format(": expected a scale of at most %g, a and d of at most %g m, alpha and theta of at most %g rad", largestFactor, longest, largestAngle));
+        expect(link.offsetDeviation < 0 || (link.offsetDeviation <= largestAngle && !fixed),
                path + ".offsetDeviation: expected a finite number, or a negative one for the default, as for a fixed joint");
         expect(link.mesh >= -1 && link.mesh < (int)tool.meshes.size(), path + ".mesh: expected the index of a mesh, or -1");
         for (int j = 0; j < i; ++j)
@@ -82,14 +88,15 @@ void checkDescription(const ToolModel::Description& tool)
         const String path = format("keypoints[%d]", (int)i);
         checkNewName(keypointNames, keypoint.name, path + ".name");
         expect(keypoint.link >= 0 && keypoint.link < linkCount, path + ".link: expected the index of a link");
-        expect(checkRange(Vec3d(keypoint.linkPoint)), path + ".linkPoint: expected finite numbers");
+        expect(checkRange(Vec3d(keypoint.linkPoint), true, 0, -longest, longest), path + format(".linkPoint: expected finite numbers, within %g m", longest));
         expect(keypoint.score <= 1, path + ".score: expected a number from 0 to 1, or a negative one if it is not known");
     }
     expect(tool.limits.empty() || tool.limits.size() == tool.coordinates.size(), "limits: expected one of each coordinate, or none");
     for (size_t i = 0; i < tool.limits.size(); ++i)
         expect(tool.limits[i][0] <= tool.limits[i][1], format("limits[%d]: expected the least and the greatest value", (int)i));
     expect(tool.endEffectorLink >= 0 && tool.endEffectorLink < linkCount, "endEffectorLink: expected the index of a link");
-    expect(isRigid(tool.link_T_endEffector), "link_T_endEffector: expected a rigid transform");
+    const Matx44d& end = tool.link_T_endEffector;
+    expect(isRigid(end) && norm(Vec3d(end(0, 3), end(1, 3), end(2, 3))) <= longest, format("link_T_endEffector: expected a rigid transform, within %g m", longest));
 }
 
 } // namespace

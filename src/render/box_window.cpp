@@ -57,7 +57,13 @@ Rect BoxWindow::get(const CameraModel& camera, const Rect2d& field) const
             y0 = std::min(y0, p.y);
             y1 = std::max(y1, p.y);
         }
-    return Rect(Point(cvFloor(x0) - 3, cvFloor(y0) - 3), Point(cvCeil(x1) + 4, cvCeil(y1) + 4)) & Rect(Point(), camera.imageSize());
+    // About the image, where an int has room for them.
+    const Size size = camera.imageSize();
+    x0 = std::min(std::max(x0, -16.), size.width + 16.);
+    x1 = std::min(std::max(x1, -16.), size.width + 16.);
+    y0 = std::min(std::max(y0, -16.), size.height + 16.);
+    y1 = std::min(std::max(y1, -16.), size.height + 16.);
+    return Rect(Point(cvFloor(x0) - 3, cvFloor(y0) - 3), Point(cvCeil(x1) + 4, cvCeil(y1) + 4)) & Rect(Point(), size);
 }
 
 }} // namespace cv::surgtrack

@@ -32,6 +32,7 @@ namespace {
 
 const float nearPlane = 0.002f;     // [m]; nothing nearer is drawn: no endoscope sees it
 const int maxEdge = 32 * 256;       // [1/256 pixel]; longer edges are halved. Edge functions stay below 2^28.
+const int farPixel = 1 << 26;       // [1/256 pixel]; farther ones are taken for this far
 const int tile = RasterTarget::tile;
 const size_t updateEvery = 16;      // clusters; a tile changes with several neighbours
 
@@ -188,8 +189,11 @@ inline int largest(int a, int b, int c) { return std::max(a, std::max(b, c)); }
 template <typename L> class Raster
 {
 public:
-    Raster(const RasterView& view, RasterTarget& target) : view_(view), target_(target), project_(view), project1_(view), instance_(0), cull_(true)
+    Raster(const RasterView& view, RasterTarget& target)
+        : view_(view), target_(target), project_(view), project1_(view), budget_(0), instance_(0), cull_(true)
     {
+        // A triangle over the whole window takes a tenth of this.
+        mostParts_ = 64 * (1 + 256 * view.width / maxEdge) * (1 + 256 * view.height / maxEdge);
         for (int i = 0; i < L::count(); i++) steps_[i] = i;
         left_ = std::sqrt(1 + view.left * view.left);
         right_ = std::sqrt(1 + view.right * view.right);
@@ -419,7 +423,7 @@ private:
     }
 
     // For corners that will be clipped: sums of a few of these do not overflow.
-    static typename L::Int clamped(const typename L::Int& a) { return L::least(L::largest(a, L::all(-(1 << 26))), L::all(1 << 26)); }
+    static typename L::Int clamped(const typename L::Int& a) { return L::least(L::largest(a, L::all(-farPixel)), L::all(+farPixel)); }
 
     // Vertex by vertex, with the same arithmetic.
     Vertex vertex(const ClusteredMesh& mesh, int i) const
@@ -438,8 +442,8 @@ private:
     {
         float u, v;
         project1_(p.x, p.y, p.z, u, v, p.w);
-        p.u = rounded(u);
-        p.v = rounded(v);
+        p.u = std::min(std::max(rounded(u), -farPixel), farPixel);
+        p.v = std::min(std::max(rounded(v), -farPixel), farPixel);
         p.shade = Projection<Single>::shade(p.nx, p.ny, p.nz, p.x, p.y, p.z);
     }
 
@@ -502,6 +506,7 @@ private:
         }
         Vertex* v = polygon[from];
         for (int i = 0; i < n; i++) project(v[i]);
+        budget_ = mostParts_;
         for (int i = 2; i < n; i++) subdivide(v[0], v[i - 1], v[i], 0);
     }
 
@@ -521,7 +526,7 @@ private:
                 fill(a.u, a.v, a.w, a.shade, c.u, c.v, c.w, c.shade, b.u, b.v, b.w, b.shade, pixels);
             return;
         }
-        if (depth >= 40) return;   // each of the three edges some ten times, as in an image of 30,000 pixels: never
+        if (depth >= 40 || --budget_ < 0) return;   // each of the three edges some ten times, as in an image of 30,000 pixels: never
         if (longest == ab)
         {
             Vertex m = mix(a, b, 0.5f);
@@ -554,8 +559,8 @@ private:
         // Edge functions e = (q - p) x (point - p), positive inside; their sum is `area`.
         const int sx = (pixels.x << 8) - ax, sy = (pixels.y << 8) - ay, width = pixels.width, height = pixels.height;
         const int ab = (bx - ax) * sy - (by - ay) * sx, ca = (ax - cx) * sy - (ay - cy) * sx, bc = area - ab - ca;
-        const int abX = (ay - by) << 8, bcX = (by - cy) << 8, caX = (cy - ay) << 8;   // a pixel to the right
-        const int abY = (bx - ax) << 8, bcY = (cx - bx) << 8, caY = (ax - cx) << 8;   // a pixel down
+        const int abX = 256 * (ay - by), bcX = 256 * (by - cy), caX = 256 * (cy - ay);   // a pixel to the right
+        const int abY = 256 * (bx - ax), bcY = 256 * (cx - bx), caY = 256 * (ax - cx);   // a pixel down
         const float inverse = 1 / float(area);
         const Surface surface = {L::all(aw), L::all((bw - aw) * inverse), L::all((cw - aw) * inverse),
                                  L::all(as + 0.5f), L::all((bs - as) * inverse), L::all((cs - as) * inverse), id_};
@@ -625,6 +630,7 @@ private:
     Projection<Single> project1_;
     float left_, right_, top_, bottom_;   // lengths of the normals of the window's planes
     int steps_[64];                       // 0, 1, 2, ...
+    int mostParts_, budget_;              // that a triangle may be halved into
 
     // of the instance that is drawn
     const RasterInstance* instance_;

@@ -22,12 +22,6 @@ const double leastSimilarity = 0.55;   // of a set of points: what tissue gives 
 const double pushedNis = 0.75;         // of points, per degree of freedom; below 0.6 as a rule
 const double pushedLikelihood = 2;     // logarithm of the ratio; 99 of 100 frames without a push have less than 1
 
-/* An image that comes again: pictures of a camera differ by its noise, in each pixel by a grey level and more, and those of a tool
-   that has moved by a pixel by more than that. */
-const double staleChange = 0.5;        // mean over samples [grey levels]
-const double staleShift = 1;           // of a keypoint [pixel at 720 px image width]
-const double staleMargin = 30;         // about the keypoints [pixel at 720 px image width]
-
 const double remembered = 0.25;        // a tool that moves at 5 cm/s is a centimetre farther by then [s]
 const int unsureFrames = 4;            // that a first pose may stay without being confirmed: others come to their turn
 
@@ -69,7 +63,6 @@ void FullMethod::reset()
     ToolMethod::reset();
     filter_->reset();
     placed_ = sure_ = filter_->state();
-    shownJoints_.assign(coordinates_, 0.);
     usual_ = -DBL_MAX;
     searches_ = boosted_ = pushed_ = disagreed_ = disputed_ = settling_ = rival_.frames = 0;
     eyes_ = 2;
@@ -80,14 +73,9 @@ void FullMethod::reset()
 const ToolView& FullMethod::predict(const std::vector<double>& joints, double seconds)
 {
     placed_ = filter_->state();
+    before_ = *this;
     filter_->predict(joints, boosted_ > 0 ? pushedGrowth : 1, seconds);
     return filter_->view();
-}
-
-void FullMethod::takeBack()
-{
-    filter_->dropReadings();
-    filter_->setState(placed_);
 }
 
 FullMethod::Pose FullMethod::pose() const
@@ -128,31 +116,6 @@ void FullMethod::measure(Scene& scene, const PartDrawing* ahead)
     }
     else if (!isStale(scene)) seen = follow(scene, ahead) || search(scene);
     conclude(scene, seen);
-}
-
-// Whether the image is the one before once more, although the tool has moved.
-bool FullMethod::isStale(const Scene& scene)
-{
-    const PartFinder& eye = *scene.eyes[0];
-    Rect2d box;
-    for (size_t k = 0; k < nominalPoints_.size(); k++)
-    {
-        const Point3d p = transform(filter_->correction(), nominalPoints_[k]);
-        if (p.z < nearestDepth) continue;
-        const Rect2d at(eye.camera().project(p), Size2d(1, 1));
-        box = box.empty() ? at : box | at;
-    }
-    const int margin = cvRound(staleMargin * pixelScale_);
-    const Rect region(cvFloor(box.x) - margin, cvFloor(box.y) - margin, cvCeil(box.width) + 2 * margin, cvCeil(box.height) + 2 * margin);
-    if (eye.change(region & Rect(Point(), eye.camera().imageSize())) > staleChange)
-    {
-        shownJoints_ = joints_;
-        return false;
-    }
-    correctJoints(shownJoints_, foreseen_);
-    model_->forwardKinematics(foreseen_, seen_.base_T_link);
-    seen_.camera_T_base = filter_->view().camera_T_base;
-    return !(viewChange(eye.camera(), *model_, filter_->view(), seen_).shift < staleShift * pixelScale_);
 }
 
 // Windows about where the tool is drawn. known: as wide as the filter's covariance asks for

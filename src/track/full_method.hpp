@@ -11,15 +11,58 @@
 
 namespace cv { namespace surgtrack {
 
+//! A pose, and what it has to show for itself.
+struct FullPose
+{
+    ArticulatedPoseEKF::State filter;
+    Matx44d correction;
+    Evidence evidence;
+    std::vector<PartMatch> inliers;
+    int visibleParts;
+    size_t eyes;
+};
+
+//! A second pose that explains the image about as well as the one that is believed.
+struct Rival
+{
+    FullPose pose;
+    double lead;   // log odds against the one that is believed, of all frames since
+    int frames;    // since, with the first one; 0: there is none
+};
+
+//! What METHOD_FULL knows from frame to frame, beside its filter.
+struct FullMemory
+{
+    ArticulatedPoseEKF::State sure_;       // the filter when the tool was last tracked
+    double logOdds_;                       // that the last pose seen is right
+    bool isSeen_;                          // in this frame
+    double usual_;                         // log odds of the frames before by their own evidence
+    int searches_;                         // since the tool was last seen
+    bool searched_;                        // the pose is that of a search, and not confirmed yet
+    size_t eyes_;                          // that are believed to stand where they are said to
+    int disagreed_;                        // consecutive frames in which the right eye did not see what the left one saw
+    int boosted_;                          // frames for which the process noise stays raised,
+    int pushed_;                           // and for which a push is going on
+    int settling_;                         // frames that have gone into where the calibration is settled
+    int disputed_;                         // frames in which another tool saw another motion of the camera
+    Rival rival_;
+};
+
 //! METHOD_FULL: parts and outlines of all eyes, into one filter of correction and joint offsets, believed by evidence.
-class FullMethod CV_FINAL : public ToolMethod
+class FullMethod CV_FINAL : public ToolMethod, private FullMemory
 {
 public:
     FullMethod(int index, const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const ToolTracker::Params& params, double pixelScale,
                const ArticulatedPoseEKF::Params& filter, const ToolContour::Params& contour, const ContourSearch& edges);
 
     void reset() CV_OVERRIDE;
-    void takeBack() CV_OVERRIDE;
+    void takeBack() CV_OVERRIDE
+    {
+        ToolMethod::takeBack();
+        static_cast<FullMemory&>(*this) = before_;
+        filter_->dropReadings();
+        filter_->setState(placed_);
+    }
     void measure(Scene& scene, const PartDrawing* ahead) CV_OVERRIDE;
     const ToolView& view() const CV_OVERRIDE { return filter_->view(); }
     void report(ToolEstimate& estimate) const CV_OVERRIDE;
@@ -29,26 +72,9 @@ public:
 
 private:
     // Windows in which edges are looked for: a first pose begins with the widest.
+    typedef FullPose Pose;
+
     static const int startPass = 0, trackPass = 2, nearPass = 3;
-
-    //! A pose, and what it has to show for itself.
-    struct Pose
-    {
-        ArticulatedPoseEKF::State filter;
-        Matx44d correction;
-        Evidence evidence;
-        std::vector<PartMatch> inliers;
-        int visibleParts;
-        size_t eyes;
-    };
-
-    //! A second pose that explains the image about as well as the one that is believed.
-    struct Rival
-    {
-        Pose pose;
-        double lead;   // log odds against the one that is believed, of all frames since
-        int frames;    // since, with the first one; 0: there is none
-    };
 
     void correctJoints(const std::vector<double>& readings, std::vector<double>& joints) const CV_OVERRIDE { filter_->correctJoints(readings, joints); }
     const ToolView& predict(const std::vector<double>& joints, double seconds) CV_OVERRIDE;
@@ -56,7 +82,6 @@ private:
     void keepPose(Pose& pose) const;
     void setPose(const Pose& pose);
 
-    bool isStale(const Scene& scene);
     bool start(Scene& scene);
     bool search(Scene& scene);
     bool beginAnew(Scene& scene, int first, int last);
@@ -94,21 +119,8 @@ private:
     Ptr<ToolContour> contour_;
     ContourSearch edges_;
     EvidenceThresholds thresholds_;
-    ArticulatedPoseEKF::State placed_;     // the filter before this frame,
-    ArticulatedPoseEKF::State sure_;       // and when the tool was last tracked
-    std::vector<double> shownJoints_;      // readings of the last image that was a new one
-    double logOdds_;                       // that the last pose seen is right
-    bool isSeen_;                          // in this frame
-    double usual_;                         // log odds of the frames before by their own evidence
-    int searches_;                         // since the tool was last seen
-    bool searched_;                        // the pose is that of a search, and not confirmed yet
-    size_t eyes_;                          // that are believed to stand where they are said to
-    int disagreed_;                        // consecutive frames in which the right eye did not see what the left one saw
-    int boosted_;                          // frames for which the process noise stays raised,
-    int pushed_;                           // and for which a push is going on
-    int settling_;                         // frames that have gone into where the calibration is settled
-    int disputed_;                         // frames in which another tool saw another motion of the camera
-    Rival rival_;
+    ArticulatedPoseEKF::State placed_;     // the filter before this frame, and what is known beside it
+    FullMemory before_;
 
     // Memory of one function each.
     Pose without_, far_;

@@ -10,7 +10,8 @@ namespace cv { namespace surgtrack {
 
 PaperMethod::PaperMethod(int index, const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const ToolTracker::Params& params, double pixelScale,
                          const CameraModel& camera, const ToolPoseEKF::Params& filter)
-    : ToolMethod(index, model, nominal_T_base, params, pixelScale), camera_(camera), filter_(ToolPoseEKF::create(camera, filter))
+    : ToolMethod(index, model, nominal_T_base, params, pixelScale), camera_(camera), filter_(ToolPoseEKF::create(camera, filter)),
+      filterBefore_(ToolPoseEKF::create(camera, filter))
 {
     const size_t parts = model->keypoints().size();
     nominalInliers_.reserve(parts);
@@ -29,8 +30,17 @@ void PaperMethod::reset()
     hypothesis_ = 0;
 }
 
+void PaperMethod::takeBack()
+{
+    ToolMethod::takeBack();
+    static_cast<PaperMemory&>(*this) = before_;
+    filterBefore_->copyTo(*filter_);
+}
+
 const ToolView& PaperMethod::predict(const std::vector<double>& joints, double)
 {
+    before_ = *this;
+    filter_->copyTo(*filterBefore_);
     model_->forwardKinematics(joints, view_.base_T_link);
     view_.camera_T_base = correction_ * nominal_T_base_;
     return view_;
@@ -55,8 +65,10 @@ void PaperMethod::gather()
 
 void PaperMethod::measure(Scene& scene, const PartDrawing* ahead)
 {
-    bool seen = starts() ? start(scene, 0, hypotheses - 1) : follow(scene, ahead);
-    if (!seen && state_ == STATE_LOST)   // in a wider window, by one hypothesis a frame
+    const bool stale = !starts() && isStale(scene);
+    if (starts()) shownJoints_ = joints_;
+    bool seen = starts() ? start(scene, 0, hypotheses - 1) : !stale && follow(scene, ahead);
+    if (!seen && !stale && state_ == STATE_LOST)   // in a wider window, by one hypothesis a frame
     {
         hypothesis_ = (hypothesis_ + 1) % hypotheses;
         seen = start(scene, hypothesis_, hypothesis_);
@@ -153,7 +165,12 @@ bool PaperMethod::startFrom(Scene& scene, const StartCandidate& candidate)
     }
     const Matx44d before = correction_;
     setCorrection(correction);
-    if (params_.method == METHOD_EPNP || startFromHandEye(scene)) return true;
+    if (params_.method == METHOD_EPNP) return true;
+    if (startFromHandEye(scene))
+    {
+        evidence_.nis = filter_->nis();
+        return true;
+    }
     setCorrection(before);
     return false;
 }

@@ -10,14 +10,23 @@
 
 namespace cv { namespace surgtrack {
 
+//! What the paper's methods know from frame to frame, beside their filter.
+struct PaperMemory
+{
+    ToolView view_;
+    Matx44d trusted_;                      // the last correction that was tracked; what an unconfirmed one goes back to
+    int hypothesis_;                       // of the search for a lost tool
+};
+
 //! METHOD_PAPER and METHOD_EPNP: parts of the left eye, into the paper's filter or into EPnP.
-class PaperMethod CV_FINAL : public ToolMethod
+class PaperMethod CV_FINAL : public ToolMethod, private PaperMemory
 {
 public:
     PaperMethod(int index, const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const ToolTracker::Params& params, double pixelScale,
                 const CameraModel& camera, const ToolPoseEKF::Params& filter);
 
     void reset() CV_OVERRIDE;
+    void takeBack() CV_OVERRIDE;
     void measure(Scene& scene, const PartDrawing* ahead) CV_OVERRIDE;
     const ToolView& view() const CV_OVERRIDE { return view_; }
     void report(ToolEstimate& estimate) const CV_OVERRIDE;
@@ -39,9 +48,8 @@ private:
 
     CameraModel camera_;
     Ptr<ToolPoseEKF> filter_;
-    ToolView view_;
-    Matx44d trusted_;                      // the last correction that was tracked; what an unconfirmed one goes back to
-    int hypothesis_;                       // of the search for a lost tool
+    Ptr<ToolPoseEKF> filterBefore_;        // this frame
+    PaperMemory before_;
     PartWindows windows_;                  // memory
     std::vector<Point3d> nominalInliers_;  // of the inliers gathered: where the calibration has them
     std::vector<Point2d> imageInliers_;    // and where they are

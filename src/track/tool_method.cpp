@@ -5,6 +5,7 @@
 #include "precomp.hpp"
 #include "base/geometry.hpp"
 #include "track/tool_method.hpp"
+#include "track/view_change.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -17,17 +18,47 @@ const double maxCorrectionShift = 0.03;     // [m], at the tool
 const double leastMotionAngle = 2 * CV_PI / 180, leastMotionShift = 0.004;   // [rad], [m]
 const double largestReprojectionError = 8;  // [pixel at 720 px image width]
 
+// What a joint can read; beyond, a message was garbled, or is in another unit.
+const double mostTravel = 10, mostTurn = 200 * CV_PI;    // [m], [rad]
+const double leastMargin = 0.1, leastTurnMargin = CV_PI; // beyond limits, which may be those of the next instrument [m], [rad]
+
+/* An image that comes again: pictures of a camera differ by its noise, in each pixel by a grey level and more, and those of a tool
+   that has moved by a pixel by more than that. */
+const double staleChange = 0.5;        // mean over samples [grey levels]
+const double staleShift = 1;           // of a keypoint [pixel at 720 px image width]
+const double staleMargin = 30;         // about the keypoints [pixel at 720 px image width]
+
+std::vector<Vec2d> rangesOf(const ToolModel& model)
+{
+    const Mat_<double> limits = model.jointLimits();
+    std::vector<Vec2d> ranges(limits.rows);
+    for (int i = 0; i < limits.rows; i++)
+    {
+        bool slides = false;
+        for (size_t l = 0; l < model.links().size(); l++)
+            slides = slides || (model.links()[l].coordinate == i && model.links()[l].jointType == ToolModel::JOINT_PRISMATIC);
+        const double most = slides ? mostTravel : mostTurn;
+        const double margin = std::max(slides ? leastMargin : leastTurnMargin, limits(i, 1) - limits(i, 0));   // infinite without limits
+        ranges[i] = Vec2d(std::max(-most, limits(i, 0) - margin), std::min(most, limits(i, 1) + margin));
+    }
+    return ranges;
+}
+
 } // namespace
 
 ToolMethod::ToolMethod(int index, const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const ToolTracker::Params& params, double pixelScale)
     : index_(index), model_(model), coordinates_(model->coordinateNames().size()), nominal_T_base_(nominal_T_base), params_(params),
-      pixelScale_(pixelScale), sights_(2)
+      pixelScale_(pixelScale), ranges_(rangesOf(*model)), sights_(2)
 {
     // All that a frame may need: update() takes no memory later.
     const size_t parts = model->keypoints().size();
     nominalPoints_.reserve(parts);
     inliers_.reserve(parts);
     joints_.reserve(coordinates_);
+    before_.nominalPoints_.reserve(parts);
+    before_.inliers_.reserve(parts);
+    before_.joints_.reserve(coordinates_);
+    bounded_.reserve(coordinates_);
     for (size_t e = 0; e < sights_.size(); e++) sights_[e].found.inliers.reserve(parts);
     ToolMethod::reset();
 }
@@ -42,12 +73,25 @@ void ToolMethod::reset()
     evidence_ = Evidence();
     visibleParts_ = 0;
     inliers_.clear();
+    joints_.clear();
+    shownJoints_.assign(coordinates_, 0.);
+    skipped_ = 0;
+}
+
+bool ToolMethod::bound(const std::vector<double>& readings, std::vector<double>& bounded) const
+{
+    bounded.resize(readings.size());
+    for (size_t i = 0; i < readings.size(); i++) bounded[i] = std::min(std::max(readings[i], ranges_[i][0]), ranges_[i][1]);
+    return bounded == readings;
 }
 
 void ToolMethod::place(const std::vector<double>& joints, double seconds)
 {
-    joints_ = joints;
-    const ToolView& view = predict(joints, seconds);
+    before_ = *this;
+    const bool possible = bound(joints, bounded_);
+    if (possible || joints_.empty()) joints_ = bounded_;
+    skipped_ += !possible;
+    const ToolView& view = predict(joints_, seconds);
     const std::vector<ToolModel::Keypoint>& keypoints = model_->keypoints();
     nominalPoints_.resize(keypoints.size());
     for (size_t k = 0; k < keypoints.size(); k++)
@@ -56,7 +100,8 @@ void ToolMethod::place(const std::vector<double>& joints, double seconds)
 
 void ToolMethod::foresee(const std::vector<double>& readings, ToolView& view)
 {
-    correctJoints(readings, foreseen_);
+    bound(readings, bounded_);
+    correctJoints(bounded_, foreseen_);
     model_->forwardKinematics(foreseen_, view.base_T_link);
     view.camera_T_base = correction_ * nominal_T_base_;
     if (!isLocated()) view.base_T_link.clear();
@@ -90,6 +135,32 @@ bool ToolMethod::plausible(const CameraModel& camera, const Matx44d& correction,
         sum += d.dot(d);
     }
     return std::sqrt(sum / double(inliers.size())) < maxReprojectionError();
+}
+
+// Whether the image is the one before once more, although the tool has moved.
+bool ToolMethod::isStale(const Scene& scene)
+{
+    const PartFinder& eye = *scene.eyes[0];
+    Rect2d box;
+    for (size_t k = 0; k < nominalPoints_.size(); k++)
+    {
+        const Point3d p = transform(correction_, nominalPoints_[k]);
+        if (p.z < nearestDepth) continue;
+        const Rect2d at(eye.camera().project(p), Size2d(1, 1));
+        box = box.empty() ? at : box | at;
+    }
+    const int margin = cvRound(staleMargin * pixelScale_);
+    box &= Rect2d(-1e5, -1e5, 2e5, 2e5);   // what an int has room for
+    const Rect region(cvFloor(box.x) - margin, cvFloor(box.y) - margin, cvCeil(box.width) + 2 * margin, cvCeil(box.height) + 2 * margin);
+    if (eye.change(region & Rect(Point(), eye.camera().imageSize())) > staleChange)
+    {
+        shownJoints_ = joints_;
+        return false;
+    }
+    correctJoints(shownJoints_, foreseen_);
+    model_->forwardKinematics(foreseen_, shown_.base_T_link);
+    shown_.camera_T_base = view().camera_T_base;
+    return !(viewChange(eye.camera(), *model_, view(), shown_).shift < staleShift * pixelScale_);
 }
 
 int ToolMethod::findStarts(Scene& scene, int first, int last, const ToolView& view, double distance, std::vector<StartCandidate>& best)
@@ -178,6 +249,7 @@ void ToolMethod::report(ToolEstimate& e) const
     e.similarity = evidence_.similarity;
     e.contourSupport = evidence_.support;
     e.nis = evidence_.nis;
+    e.skippedReadings = skipped_;
     e.matches.reserve(inliers_.capacity());
     e.matches = inliers_;
 }

@@ -10,9 +10,27 @@
 
 namespace cv { namespace surgtrack {
 
+//! What is known of a tool from frame to frame, beside what its filter knows.
+struct ToolMemory
+{
+    Matx44d correction_;               // the last one; kept when nothing is seen
+    Matx44d calibration_;              // the correction that a search begins from
+    Matx44d settled_;                  // the first one after some frames of tracking
+    bool isSettled_;
+    int state_, confirmed_;            // consecutive measured frames since the (re)start
+    double lastSeen_;                  // time of the last measurement [s]
+    std::vector<Point3d> nominalPoints_;   // keypoints of the current frame, where the calibration has them
+    Evidence evidence_;                // of the last pose looked at
+    int visibleParts_;
+    std::vector<PartMatch> inliers_;
+    std::vector<double> joints_;       // readings of the current frame
+    std::vector<double> shownJoints_;  // readings of the last image that was a new one
+    int skipped_;                      // frames whose readings no joint can have
+};
+
 /** How the pose of one tool is found, and what is known of it over time. The tracker places all tools, lets each be measured in turn,
 and reports. */
-class ToolMethod
+class ToolMethod : protected ToolMemory
 {
 public:
     ToolMethod(int index, const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const ToolTracker::Params& params, double pixelScale);
@@ -24,8 +42,8 @@ public:
     //! A frame begins: where the kinematics and the last correction have the tool.
     //! @param seconds since the frame before; 0: there was none
     void place(const std::vector<double>& joints, double seconds);
-    //! Takes place() back, as if this frame had not been.
-    virtual void takeBack() {}
+    //! As if this frame, which began with place(), had not been.
+    virtual void takeBack() { static_cast<ToolMemory&>(*this) = before_; }
 
     /** The tool in this frame's images.
     @param scene all else
@@ -68,6 +86,12 @@ protected:
     //! The tool where joints and state have it, for place().
     virtual const ToolView& predict(const std::vector<double>& joints, double seconds) = 0;
 
+    //! Readings that joints can have: the nearest ones. @return whether these are such
+    bool bound(const std::vector<double>& readings, std::vector<double>& bounded) const;
+
+    //! Whether the image is the one before once more, although the tool has moved. Once a frame.
+    bool isStale(const Scene& scene);
+
     bool starts() const { return state_ == STATE_INITIALIZING && confirmed_ == 0; }
     /* So many first frames are each taken in from the hand-eye calibration alone. Their points lean towards where the templates
        were drawn: a filter that believed them together would keep the error of the first pose, most of it depth, for minutes. Of
@@ -108,18 +132,10 @@ protected:
     ToolTracker::Params params_;
     double pixelScale_;                // of thresholds given for images 720 pixels wide
 
-    Matx44d correction_;               // the last one; kept when nothing is seen
-    Matx44d calibration_;              // the correction that a search begins from
-    Matx44d settled_;                  // the first one after some frames of tracking
-    bool isSettled_;
-    int state_, confirmed_;            // consecutive measured frames since the (re)start
-    double lastSeen_;                  // time of the last measurement [s]
-    std::vector<Point3d> nominalPoints_;   // keypoints of the current frame, where the calibration has them
-    Evidence evidence_;                // of the last pose looked at
-    int visibleParts_;
-    std::vector<PartMatch> inliers_;
-    std::vector<double> joints_;       // readings of the current frame
-    std::vector<double> foreseen_;     // memory of foresee()
+    std::vector<Vec2d> ranges_;        // of readings, a coordinate
+    ToolMemory before_;                // this frame
+    ToolView shown_;                   // memory of isStale()
+    std::vector<double> foreseen_, bounded_;   // memory of foresee() and place()
     std::vector<Sight> sights_;        // an eye
 };
 

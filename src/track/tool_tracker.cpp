@@ -11,6 +11,8 @@ namespace cv { namespace surgtrack {
 
 // The frame; tracker_setup.cpp: cameras and tools, tracker_ahead.cpp: renderAhead().
 
+static const double longestPause = 3600;   // nothing that time changes is changed more by a longer one [s]
+
 static Point2d enlarge(const Point2d& p, int factor)
 {
     return Point2d((p.x + 0.5) * factor - 0.5, (p.y + 0.5) * factor - 0.5);
@@ -32,7 +34,7 @@ void ToolTrackerImpl::checkJoints(const std::vector<std::vector<double> >& joint
 
 void ToolTrackerImpl::checkFrame(const Mat& image, size_t eye, const char* name, double time) const
 {
-    checkImage(image);
+    checkImage(image, name);
     const Size size = scene_.eyes[eye]->imageSize();
     if (image.size() != size)
         CV_Error(Error::StsUnmatchedSizes, format("%s is %d x %d, the camera's is %d x %d", name, image.cols, image.rows, size.width, size.height));
@@ -68,39 +70,52 @@ void ToolTrackerImpl::report(int tool, ToolEstimate& e) const
 void ToolTrackerImpl::updateEyes(const Mat* images, size_t count, double time, const std::vector<std::vector<double> >& joints,
                                  std::vector<ToolEstimate>& estimates)
 {
+    const double before = scene_.time;
+    size_t placed = 0, looked = 0;
     scene_.times.beginFrame();
+    try
     {
         StageTimer timer(scene_.times, TOTAL);
-        for (size_t i = 0; i < tools_.size(); i++) tools_[i]->place(joints[i], scene_.time > -DBL_MAX ? time - scene_.time : 0);
+        const double seconds = before > -DBL_MAX ? std::min(time - before, longestPause) : 0;
+        while (placed < tools_.size())
+        {
+            placed++;
+            tools_[placed - 1]->place(joints[placed - 1], seconds);
+        }
         const TemplateSet* ahead = 0;
-        try
         {
             StageTimer renderTimer(scene_.times, RENDER);
             ahead = drawnAhead();
         }
-        catch (...)   // of the second thread; as if this frame had not been
-        {
-            for (size_t i = 0; i < tools_.size(); i++) tools_[i]->takeBack();
-            throw;
-        }
         scene_.time = time;
         scene_.open = count;
-        for (size_t e = 0; e < count; e++) scene_.eyes[e]->setImage(images[e]);
+        while (looked < count)
+        {
+            looked++;
+            scene_.eyes[looked - 1]->setImage(images[looked - 1]);
+        }
         for (int i = 0; i < int(tools_.size()); i++) show(i);
         for (int i = 0; i < int(tools_.size()); i++)
         {
             ToolMethod& tool = *tools_[i];
-            const int before = tool.state();
+            const int state = tool.state();
             scene_.cameraMotion = motionOfAnother(i);
             tool.measure(scene_, ahead && tool.usesDrawnAhead() ? &ahead->drawings[i] : 0);
             show(i);
-            if (tool.state() != before)
+            if (tool.state() != state)
                 CV_LOG_INFO(NULL, "surgtrack: tool " << i << ", " << tool.model()->name() << ": " << stateName(tool.state()) << " at " << time << " s");
         }
+        estimates.resize(tools_.size());
+        for (size_t i = 0; i < tools_.size(); i++) report(int(i), estimates[i]);
     }
-    estimates.resize(tools_.size());
+    catch (...)   // as if this frame had not been
+    {
+        scene_.time = before;
+        for (size_t i = 0; i < placed; i++) tools_[i]->takeBack();
+        for (size_t e = 0; e < looked; e++) scene_.eyes[e]->takeBack();
+        throw;
+    }
     if (ahead_) ahead_->nextFrame();
-    for (size_t i = 0; i < tools_.size(); i++) report(int(i), estimates[i]);
     for (size_t e = 0; e < count; e++) scene_.eyes[e]->release();
     scene_.times.endFrame();
 }

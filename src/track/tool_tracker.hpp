@@ -45,9 +45,9 @@ private:
     void checkModel(const Ptr<ToolModel>& model) const;
     void checkJoints(const std::vector<std::vector<double> >& joints) const;
     void checkFrame(const Mat& image, size_t eye, const char* name, double time) const;
-    Ptr<PartFinder> makeFinder(const Camera& camera, const Ptr<MeshRenderer>& renderer) const;
+    Ptr<PartFinder> makeFinder(const Camera& camera, const std::vector<Ptr<ToolMethod> >& tools, const Ptr<MeshRenderer>& renderer) const;
     Ptr<ToolMethod> makeMethod(int index, const Ptr<ToolModel>& model, const Matx44d& nominal_T_base) const;
-    void toolsChanged();
+    void change(std::vector<Ptr<ToolMethod> > tools, std::vector<Camera> cameras);
     void updateEyes(const Mat* images, size_t count, double time, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates);
     void show(int tool);
     Matx44d motionOfAnother(int tool) const;

@@ -29,7 +29,7 @@ void ToolTrackerImpl::renderAhead(const std::vector<std::vector<double> >& joint
     checkJoints(joints);
     if (!ahead_)
     {
-        ahead_ = makePtr<RenderAhead>(makeFinder(cameras_[0], MeshRenderer::createSoftware()), int(tools_.size()));
+        ahead_ = makePtr<RenderAhead>(makeFinder(cameras_[0], tools_, MeshRenderer::createSoftware()), int(tools_.size()));
         aheadViews_.resize(tools_.size());
     }
     for (size_t i = 0; i < tools_.size(); i++) tools_[i]->foresee(joints[i], aheadViews_[i]);

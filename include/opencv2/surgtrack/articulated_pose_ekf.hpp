@@ -140,7 +140,7 @@ public:
     CV_WRAP virtual bool solve() = 0;
     //! @}
 
-    //! The readings of the last predict() have not been: for setState() to what was before it.
+    //! The readings of the last predict() that time had passed before have not been: for setState() to what was before it.
     virtual void dropReadings() = 0;
     //! All that is known, but for the readings of frames before, which the delay is learnt from.
     virtual State state() const = 0;

@@ -29,7 +29,9 @@ public:
     @param distCoeffs 0, 4, 5, 8 or 12 coefficients in OpenCV's order (k1, k2, p1, p2[, k3[, k4, k5, k6[, s1..s4]]])
     @param imageSize width and height [pixel]
 
-    @throws cv::Exception for any other shape, for non-finite values and for a focal length that is not positive */
+    @throws cv::Exception for any other shape, for non-finite values, for a focal length that is not positive or is less than a thousandth of
+    the image's side, for an image of more than 32768 pixels a side, and for a distortion that folds or has a pole within the image: there
+    several rays would come to one pixel, or none */
     CV_WRAP CameraModel(InputArray cameraMatrix, InputArray distCoeffs, Size imageSize);
 
     /** @brief 3x3, [pixel]. */

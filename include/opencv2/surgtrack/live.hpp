@@ -36,7 +36,7 @@ there does not matter, here it is `jaw`. Readings the robot says are not valid a
 @param message JSON
 @param readings those it has; none in a message about other things
 @throws cv::Exception naming the key and what was expected, of text that is not JSON, and of a reading that lacks a key or has
-another type, number of values, or a value that is not finite; readings is then empty. Also if the module was built without
+another type, number of values, or a value that is not finite, a time beyond 1e11 s or a position beyond 1e6; readings is then empty. Also if the module was built without
 nlohmann_json */
 CV_EXPORTS_W void parseJointMessage(const String& message, CV_OUT std::vector<JointReading>& readings);
 
@@ -82,11 +82,12 @@ public:
     wrist_yaw, with or without `outer_`); a name that is none is passed over. Without names, or if none of them is a
     coordinate, positions are in the order of the coordinates: all of them, or all but the last one, the jaw.
 
-    A reading older than the history, counted from the newest one, is not kept. If that happens 50 times in succession the robot's
-    clock was set back, or the newest reading was wrong: the history then starts anew.
+    A reading older than the history, counted from the newest one, is not kept, nor one that is newer by more than that. If that happens 50
+    times in succession the robot's clock was set, or paused, or the newest reading was wrong: the history then starts anew.
 
     @return whether anything of it was new
-    @throws cv::Exception for another number of positions, and values that are not finite; nothing is then kept */
+    @throws cv::Exception for another number of positions, for values that are not finite, and for times beyond 1e11 s and positions beyond
+    1e6, which no robot has; nothing is then kept */
     CV_WRAP virtual bool add(const JointReading& reading) = 0;
 
     /** @brief The joints at a time, linearly interpolated.

@@ -102,6 +102,8 @@ public:
     virtual double change(const Rect& region) const = 0;
     /** @brief Lets go of the image. */
     virtual void release() = 0;
+    /** @brief As if the last setImage() had not been, for change() and what is seen; that image is let go of. */
+    virtual void takeBack() = 0;
     /** @brief The reduced image, made where it is asked for. @param region where gradients are needed; empty: where they were asked for before */
     virtual const Mat& pixels(const Rect& region) = 0;
 

@@ -32,6 +32,7 @@ struct CV_EXPORTS_W_SIMPLE ToolEstimate
     CV_PROP_RW double nis;                  //!< of the inliers, normalised innovation squared per degree of freedom; about 1 if image points are as bad as the filter takes them for, less if they are better; 0 with METHOD_EPNP and without inliers
     CV_PROP_RW double delay;                //!< METHOD_FULL: the image shows the joints as they are read so much later, negative: earlier [s]; else 0
     CV_PROP_RW std::vector<PartMatch> matches;   //!< the inliers
+    CV_PROP_RW int skippedReadings;         //!< frames since addTool() or reset() whose readings no joint can have: further beyond ToolModel::jointLimits() than these are apart, or without limits 10 m or 100 turns. Such a frame has the readings of the frame before
 };
 
 //! @}

@@ -79,6 +79,9 @@ public:
     @return whether the state was updated; false if fewer than Params::minPoints passed or the innovation covariance is singular: nothing changes then */
     CV_WRAP virtual bool correct(InputArray nominalPoints, InputArray imagePoints, OutputArray used = noArray()) = 0;
 
+    //! Makes another filter what this one is, but for its camera and parameters.
+    virtual void copyTo(ToolPoseEKF& other) const = 0;
+
     /** @brief camera_T_nominal. */
     CV_WRAP virtual Matx44d correction() const = 0;
     /** @brief 6 x 1 CV_64F, see projectKeypoints(). */

@@ -139,14 +139,17 @@ public:
 
     /** @brief Makes the right eye known, for updateStereo(). Before or after addTool().
     @param right its intrinsics and distortion
-    @param right_T_left pose of the left camera in the frame of the right one [m]
+    @param right_T_left pose of the left camera in the frame of the right one [m]. Called again, the mask of the right eye stays if its
+    images have the same size
     @throws cv::Exception for another method than METHOD_FULL, and a transform that is not rigid */
     CV_WRAP virtual void setRightCamera(const CameraModel& right, const Matx44d& right_T_left) = 0;
 
     /** @brief Adds a tool.
     @param model the tool
     @param nominal_T_base where the (wrong) hand-eye calibration believes the arm's base to be, in the camera frame
-    @return index of the tool */
+    @return index of the tool
+    @throws cv::Exception for a tool with too few keypoints, parameters of stages that are wrong, and a transform that is not rigid or
+    further away than 1000 m; no tool is then added */
     CV_WRAP virtual int addTool(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base) = 0;
 
     /** @brief Tracks one frame.
@@ -154,8 +157,9 @@ public:
     @param time time stamp [s], larger than the last one
     @param joints per tool, in the order of addTool(), one reading per coordinate [rad or m]
     @param estimates per tool the answer
-    @throws cv::Exception for another image type or size, another number of joints, or non-finite values; the tracker's
-    state is then unchanged */
+    Readings that no joint can have are left out, see ToolEstimate::skippedReadings.
+    @throws cv::Exception for another image type or size, another number of joints, or non-finite values. Whatever is thrown, also by a
+    renderer of the user's own, the tracker is then as it was before the call */
     CV_WRAP virtual void update(InputArray image, double time, const std::vector<std::vector<double> >& joints,
                                 CV_OUT std::vector<ToolEstimate>& estimates) = 0;
 

@@ -17,7 +17,7 @@ enum TrackingState
 {
     STATE_INITIALIZING = 0,   //!< no confirmed pose yet: that of the kinematics, or a first measurement
     STATE_TRACKING = 1,       //!< the pose was measured in this frame
-    STATE_COASTING = 2,       //!< nothing was measured for a short while: kinematics with the last correction
+    STATE_COASTING = 2,       //!< nothing was measured for a short while: kinematics with the last correction; or, with METHOD_FULL, the tool was found elsewhere, which further frames are to confirm
     STATE_LOST = 3            //!< the pose must not be used
 };
 

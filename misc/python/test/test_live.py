@@ -197,6 +197,75 @@ class LiveTest(unittest.TestCase):
         self.assertGreater(result.malformed(), 10)
         self.assertIn('the first one: ', result.output)
 
+    def test_hostile_messages_stop_nothing(self):
+        """Before the readings, and among them: wild positions, stamps of other clocks, a flood."""
+        port, = free_ports(1)
+        poses = os.path.join(self.folder, 'hostile.csv')
+        back, = free_ports(1)
+        with self.live('--sequence=' + self.sequence('one'), '--joints=%d' % port, '--fps=8', '--poses=' + poses, '--send=127.0.0.1:%d' % back) as process:
+            link = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+
+            def attack():
+                for stamp in (-86400, -1e15, -1e300, 1e15, 1e11, 0.05):
+                    for insertion in (1e200, -1e308, 1e308) if stamp == 0.05 else (9.9, 1e200):
+                        link.sendto(json.dumps({'tool': 'PSM1', 'time': stamp, 'position': [0, 0, insertion, 0, 0, 0, 0.1]}).encode(), ('127.0.0.1', port))
+                for data in (b'[' * 60000, b'{"a":' * 10000, b'\x00' * 60000, b'{"tool": "\\u001b[2J", "time": 0, "position": [0]}', b'', b'{"measured_js": null}'):
+                    link.sendto(data, ('127.0.0.1', port))
+            attack()
+            sender = self.send('--sequence=' + self.sequence('one'), '--to=127.0.0.1:%d' % port, '--speed=0.32')
+            end = time.monotonic() + TIMEOUT
+            flooded = 0
+            while process.poll() is None and time.monotonic() < end:
+                attack()
+                for _ in range(200 if flooded < 4000 else 0):     # bounded: some 8 MB in all
+                    link.sendto(b'{"tool": "PSM1"' + b' ' * 2000, ('127.0.0.1', port))
+                    flooded += 1
+                time.sleep(0.1)
+            result = Result()
+            result.output, result.errors = process.communicate(timeout=TIMEOUT)
+            sender.kill()
+            sender.communicate()
+            link.close()
+        self.assertEqual(process.returncode, 0, result.errors)
+        self.assertNotIn('\x1b', result.output + result.errors)
+        result.rows, result.messages = read_table(poses), []
+        images, answered, newer, unread = result.numbers()
+        self.assertEqual((images, answered + newer + unread), (FRAMES, FRAMES))
+        self.assertGreater(answered, FRAMES // 4, result.output)      # a busy machine drops some of them without an attack, too
+        self.assertGreater(result.malformed(), 10)
+        self.assertGreater(int(re.search(r'(\d+) with stamps of another clock', result.output).group(1)), 3, result.output)
+        for row in result.rows:
+            np.testing.assert_array_equal(np.isfinite([float(row[c]) for c in ('tx', 'ty', 'tz', 'qx', 'qy', 'qz', 'qw')]), True)
+
+    def test_it_listens_to_whom_it_is_told(self):
+        port, = free_ports(1)
+        for options, heard in (([], True), (['--from=127.0.0.1'], True), (['--from=127.0.0.2'], False), (['--listen=127.0.0.2'], False),
+                               (['--listen=0.0.0.0', '--from=127.0.0.1'], True)):
+            with self.live('--sequence=' + self.sequence('two'), '--joints=%d' % port, *options) as process:
+                link = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+                for _ in range(5):
+                    link.sendto(b'hello', ('127.0.0.1', port))
+                link.close()
+                _, errors = process.communicate(timeout=TIMEOUT)
+            self.assertEqual(process.returncode, 1)
+            self.assertIn('%d malformed' % (5 if heard else 0), errors, options)
+        for option in ('--listen=nowhere', '--from=1.2.3'):
+            self.assertIn(option, self.refused('--sequence=' + self.sequence('one'), '--joints=%d' % port, option))
+        self.assertIn('8.8.8.8', self.refused('--sequence=' + self.sequence('one'), '--joints=%d' % port, '--listen=8.8.8.8'))
+
+    def test_a_robot_whose_clock_is_far_behind_the_video_is_told_of(self):
+        port, = free_ports(1)
+        with self.live('--sequence=' + self.sequence('one'), '--joints=%d' % port) as process:
+            link = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            for k in range(20):
+                message = {'tool': 'PSM1', 'time': -86400 + 0.01 * k, 'position': [0, 0, 0.1, 0, 0, 0, 0.1]}
+                link.sendto(json.dumps(message).encode(), ('127.0.0.1', port))
+                time.sleep(0.01)
+            link.close()
+            _, errors = process.communicate(timeout=TIMEOUT)
+        self.assertEqual(process.returncode, 1)
+        self.assertIn('before the first image', errors)
+
     def test_readings_that_fall_behind_drop_images_and_say_so(self):
         result = self.run_live('one', send=['--speed=0.1'])
         self.check_every_image_is_accounted_for(result, 1)
@@ -256,7 +325,7 @@ class LiveTest(unittest.TestCase):
         self.assertIn('--camera=0,1', self.refused(sequence, '--camera=0,1'))
         self.assertIn('no-such.mp4', self.refused(sequence, '--joints=%d' % port, '--camera=no-such.mp4'))
         taken = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        taken.bind(('0.0.0.0', port))
+        taken.bind(('127.0.0.1', port))
         self.assertIn('UDP port %d' % port, self.refused(sequence, '--joints=%d' % port))
         taken.close()
 

@@ -210,7 +210,7 @@ Ptr<ToolModel> importDvrkTool(const std::vector<String>& files, const ToolParts&
             tool.link_T_endEffector(i, 3) = given(i, 3);
     }
     addParts(parts, parts.meshesInToolAxes ? chain.tip.get_minor<3, 3>(0, 0) : Matx33d::eye(), tool);
-    return makeTool(parts, tool);
+    return makeTool(files[0], parts, tool);
 }
 
 #endif

@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "files/mesh_io.hpp"
 #include "opencv2/surgtrack/tool_setup.hpp"
 #include "files/csv.hpp"
 #include "lab/import/import_tool.hpp"
@@ -176,10 +177,10 @@ void addParts(const ToolParts& parts, const Matx33d& axes, ToolModel::Descriptio
         addKeypoints(parts, frames, tool);
 }
 
-Ptr<ToolModel> makeTool(const ToolParts& parts, const ToolModel::Description& tool)
+Ptr<ToolModel> makeTool(const String& filename, const ToolParts& parts, const ToolModel::Description& tool)
 {
     int count = 24;   // as chooseKeypoints() has it
-    const Ptr<ToolModel> model = ToolModel::create(tool);
+    const Ptr<ToolModel> model = createTool(filename, tool);
     return wantsAuto(parts.keypoints, &count) ? chooseKeypoints(model, count) : model;
 }
 

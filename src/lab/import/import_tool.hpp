@@ -35,8 +35,8 @@ void addParts(const ToolParts& parts, const Matx33d& axes, ToolModel::Descriptio
 //! Whether ToolParts::keypoints asks for keypoints to be chosen. @param count is set if it says how many
 bool wantsAuto(const String& keypoints, int* count = 0);
 
-//! The tool, with keypoints chosen if parts asks for it.
-Ptr<ToolModel> makeTool(const ToolParts& parts, const ToolModel::Description& tool);
+//! The tool, with keypoints chosen if parts asks for it. @param filename for errors
+Ptr<ToolModel> makeTool(const String& filename, const ToolParts& parts, const ToolModel::Description& tool);
 
 //! Drops meshes that no link has.
 void dropUnusedMeshes(ToolModel::Description& tool);

@@ -6,8 +6,10 @@
 #include "lab/import/import_tool.hpp"
 #include "lab/import/urdf_path.hpp"
 #include "lab/import/urdf_shape.hpp"
+#include "lab/import/urdf_text.hpp"
 #include <map>
-#include <regex>
+#include <mutex>
+#include <set>
 
 #ifdef HAVE_URDFDOM
 #include <console_bridge/console.h>
@@ -80,8 +82,9 @@ public:
     UrdfReader(const String& filename, const ToolParts& parts) : filename_(filename), parts_(parts)
     {
         const String text = readTextFile(filename);
-        refuseXacro(text);
-        readOrder(text);
+        order_ = checkUrdfText(filename, text);
+        static std::mutex mutex;   // messages go to one place for all threads
+        const std::lock_guard<std::mutex> lock(mutex);
         Messages messages;
         try
         {
@@ -117,23 +120,6 @@ public:
     const MeshFrames& frames() const { return frames_; }
 
 private:
-    //! What is still to be expanded; the name space alone often stays in what was.
-    void refuseXacro(const String& text) const
-    {
-        const std::regex comment("<!--[^]*?-->"), call("<xacro:|\\$\\{|\\$\\(");
-        if (std::regex_search(std::regex_replace(std::string(text), comment, ""), call))
-            fail("is xacro, expected an expanded URDF: `xacro FILE.xacro > FILE.urdf` expands it");
-    }
-
-    //! The joints in the order of the file, which urdfdom does not keep.
-    void readOrder(const String& text)
-    {
-        const std::regex comment("<!--[^]*?-->"), joint("<joint\\s[^>]*?name\\s*=\\s*[\"']([^\"']+)[\"']");
-        const std::string rest = std::regex_replace(text, comment, "");
-        for (std::sregex_iterator it(rest.begin(), rest.end(), joint), end; it != end; ++it)
-            order_.push_back((*it)[1].str());
-    }
-
     //! Those on the way to the end effector first, from the base on, then the others as in the file.
     void orderCoordinates()
     {
@@ -166,6 +152,8 @@ private:
 
     void addChildren(const urdf::LinkConstSharedPtr& link, int parent)
     {
+        if (!added_.insert(link->name).second)
+            fail("link `" + link->name + "`: expected a tree of links, more than one joint leads to it");
         for (size_t i = 0; i < link->child_joints.size(); i++)
         {
             const urdf::Joint& joint = *link->child_joints[i];
@@ -372,6 +360,7 @@ private:
     ToolParts parts_;
     urdf::ModelInterfaceSharedPtr urdf_;
     std::vector<String> order_;              // of the joints, in the file
+    std::set<String> added_;                 // links
     std::map<String, String> replaced_;      // meshes, by link
     Ptr<ToolModel> like_;
     ToolModel::Description tool_;
@@ -385,7 +374,7 @@ Ptr<ToolModel> importUrdfTool(const String& filename, const ToolParts& parts)
     UrdfReader reader(filename, parts);
     ToolModel::Description tool = reader.read();
     addParts(parts, Matx33d::eye(), tool, reader.frames());
-    return makeTool(parts, tool);
+    return makeTool(filename, parts, tool);
 }
 
 #endif

@@ -268,7 +268,7 @@ bool JointFile::find(const String& coordinate, JointCell& cell) const
     if (found >= 0)
         return true;
     for (size_t i = 0; i < names_.size(); i++)
-        if (jointKey(names_[i]) == key)
+        if (jointKey(names_[i]) == key && positions_[i].column >= 0)
         {
             cell = positions_[i];
             return true;

@@ -6,6 +6,7 @@
 #include <cfloat>
 #include <deque>
 #include "files/joint_names.hpp"
+#include "lab/live/reading_bounds.hpp"
 #include "opencv2/surgtrack/live.hpp"
 
 namespace cv { namespace surgtrack {
@@ -13,7 +14,7 @@ namespace cv { namespace surgtrack {
 namespace {
 
 const size_t maxReadings = 4096;     // of a coordinate
-const int restartAfter = 50;         // readings in succession that are too old
+const int restartAfter = 50;         // readings in succession that are too old or too new
 
 bool isFinite(double value) { return !cvIsNaN(value) && !cvIsInf(value); }
 
@@ -28,7 +29,7 @@ class JointBufferImpl CV_FINAL : public JointBuffer
 {
 public:
     JointBufferImpl(const std::vector<String>& coordinates, double history, double maxGap)
-        : coordinates_(coordinates), history_(history), maxGap_(maxGap), samples_(coordinates.size()), tooOld_(0)
+        : coordinates_(coordinates), history_(history), maxGap_(maxGap), samples_(coordinates.size()), strange_(0)
     {
         for (size_t c = 0; c < coordinates.size(); c++) keys_.push_back(jointKey(coordinates[c]));
     }
@@ -36,17 +37,18 @@ public:
     bool add(const JointReading& reading) CV_OVERRIDE
     {
         const std::vector<int> targets = targetsOf(reading);
-        CV_Assert(isFinite(reading.time) && "the time of a reading must be finite");
+        CV_Assert(std::abs(reading.time) <= mostTime && "the time of a reading must be finite, and within 1e11 s");
         for (size_t i = 0; i < reading.positions.size(); i++)
-            CV_Assert(isFinite(reading.positions[i]) && "the positions of a reading must be finite");
+            CV_Assert(std::abs(reading.positions[i]) <= mostPosition && "the positions of a reading must be finite, and within 1e6");
         double last = -DBL_MAX;
         for (size_t c = 0; c < samples_.size(); c++)
             if (!samples_[c].empty()) last = std::max(last, samples_[c].back().time);
-        if (reading.time < last - history_ && ++tooOld_ < restartAfter)
+        const bool strange = last > -DBL_MAX && std::abs(reading.time - last) > history_;
+        if (strange && ++strange_ < restartAfter)
             return false;
-        if (reading.time < last - history_)
+        if (strange)
             clear();
-        tooOld_ = 0;
+        strange_ = 0;
         bool isNew = false;
         for (size_t i = 0; i < targets.size(); i++)
             if (targets[i] >= 0) isNew = insert(samples_[targets[i]], reading.time, reading.positions[i]) || isNew;
@@ -77,7 +79,7 @@ public:
     void clear() CV_OVERRIDE
     {
         for (size_t c = 0; c < samples_.size(); c++) samples_[c].clear();
-        tooOld_ = 0;
+        strange_ = 0;
     }
 
 private:
@@ -140,7 +142,7 @@ private:
     std::vector<String> coordinates_, keys_;     // keys_: see jointKey()
     double history_, maxGap_;
     std::vector<std::deque<Sample> > samples_;   // a coordinate, by rising time
-    int tooOld_;                                 // readings in succession
+    int strange_;                                // readings in succession, older or newer than the history
 };
 
 class ClockOffsetImpl CV_FINAL : public ClockOffset

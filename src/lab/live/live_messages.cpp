@@ -7,6 +7,7 @@
 #include <sstream>
 #include "opencv2/surgtrack/live.hpp"
 #include "base/geometry.hpp"
+#include "lab/live/reading_bounds.hpp"
 #ifdef HAVE_NLOHMANN_JSON
 #include <nlohmann/json.hpp>
 #endif
@@ -41,11 +42,13 @@ const json& required(const json& object, const String& path, const char* key)
     return *it;
 }
 
-double finiteNumber(const json& value, const String& path)
+//! @param most what is more is no reading: sums and differences of others stay numbers
+double boundedNumber(const json& value, const String& path, double most)
 {
-    if (!value.is_number())
-        fail("key " + path + ": expected a number");
-    return value.get<double>();   // JSON has no others than finite ones
+    const double number = value.is_number() ? value.get<double>() : DBL_MAX;
+    if (!(std::abs(number) <= most))
+        fail("key " + path + format(": expected a number within %g", most));
+    return number;
 }
 
 String text(const json& value, const String& path)
@@ -61,7 +64,7 @@ std::vector<double> finiteNumbers(const json& values, const String& path)
         fail("key " + path + ": expected a list of numbers");
     std::vector<double> result;
     for (size_t i = 0; i < values.size(); i++)
-        result.push_back(finiteNumber(values[i], format("%s[%d]", path.c_str(), (int)i)));
+        result.push_back(boundedNumber(values[i], format("%s[%d]", path.c_str(), (int)i), mostPosition));
     return result;
 }
 
@@ -80,14 +83,14 @@ JointReading readPlain(const json& message)
     JointReading reading;
     if (message.count("tool"))
         reading.tool = text(message["tool"], "tool");
-    reading.time = finiteNumber(required(message, "", "time"), "time");
+    reading.time = boundedNumber(required(message, "", "time"), "time", mostTime);
     const json& positions = required(message, "", "position");
     if (positions.is_object() && !positions.empty())
     {
         for (json::const_iterator it = positions.begin(); it != positions.end(); ++it)
         {
             reading.names.push_back(it.key());
-            reading.positions.push_back(finiteNumber(it.value(), "position." + excerpt(it.key())));
+            reading.positions.push_back(boundedNumber(it.value(), "position." + excerpt(it.key()), mostPosition));
         }
         return reading;
     }
@@ -111,7 +114,7 @@ bool readState(const String& key, const json& state, JointReading& reading)
         if (!state["Valid"].get<bool>())
             return false;
     }
-    reading.time = finiteNumber(required(state, path, "Timestamp"), path + "Timestamp");
+    reading.time = boundedNumber(required(state, path, "Timestamp"), path + "Timestamp", mostTime);
     reading.positions = finiteNumbers(required(state, path, "Position"), path + "Position");
     String tool = key.substr(0, key.size() - String("measured_js").size());
     const bool jaw = tool == "jaw/" || (tool.size() > 5 && tool.substr(tool.size() - 5) == "/jaw/");

@@ -72,7 +72,7 @@ void writeDescription(const SyntheticScene& scene, const SyntheticScene::Params&
     for (int i = 0; i < scene.toolCount(); i++)
         file << "{" << "name" << toolName(i) << "model" << toolFile << "camera_T_base" << Mat(scene.nominal_T_base(i)) << "}";
     file << "]";
-    writeText(utils::fs::join(folder, "sequence.yaml"), file.releaseAndGetString());
+    writeContent(utils::fs::join(folder, "sequence.yaml"), file.releaseAndGetString());
 }
 
 void addJoints(Table& table, const std::vector<double>& joints)

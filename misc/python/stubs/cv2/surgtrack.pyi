@@ -49,7 +49,7 @@ STATE_INITIALIZING: int
 STATE_TRACKING: int
 """the pose was measured in this frame"""
 STATE_COASTING: int
-"""nothing was measured for a short while: kinematics with the last correction"""
+"""nothing was measured for a short while: kinematics with the last correction; or, with METHOD_FULL, the tool was found elsewhere, which further frames are to confirm"""
 STATE_LOST: int
 """the pose must not be used"""
 METHOD_PAPER: int
@@ -110,7 +110,9 @@ class CameraModel:
         """cameraMatrix: 3x3, any floating type, [pixel]; the skew is 0 and the last row 0 0 1
         distCoeffs: 0, 4, 5, 8 or 12 coefficients in OpenCV's order (k1, k2, p1, p2[, k3[, k4, k5, k6[, s1..s4]]])
         imageSize: width and height [pixel]
-        Raises cv2.error for any other shape, for non-finite values and for a focal length that is not positive
+        Raises cv2.error for any other shape, for non-finite values, for a focal length that is not positive or is less than a thousandth of
+        the image's side, for an image of more than 32768 pixels a side, and for a distortion that folds or has a pole within the image: there
+        several rays would come to one pixel, or none
         """
         ...
     def cameraMatrix(self) -> NDArray[np.float64]:
@@ -1120,6 +1122,8 @@ class ToolEstimate:
     """METHOD_FULL: the image shows the joints as they are read so much later, negative: earlier [s]; else 0"""
     matches: Tuple[PartMatch, ...]
     """the inliers"""
+    skippedReadings: int
+    """frames since addTool() or reset() whose readings no joint can have: further beyond ToolModel.jointLimits() than these are apart, or without limits 10 m or 100 turns. Such a frame has the readings of the frame before"""
 
 class StageTime:
     """How long a stage of ToolTracker.update() takes. A frame is one sample: the sum over all tools and eyes, 0 if the stage was not reached."""
@@ -1238,7 +1242,8 @@ class ToolTracker:
         """Makes the right eye known, for updateStereo(). Before or after addTool().
 
         right: its intrinsics and distortion
-        right_T_left: pose of the left camera in the frame of the right one [m]
+        right_T_left: pose of the left camera in the frame of the right one [m]. Called again, the mask of the right eye stays if its
+        images have the same size
         Raises cv2.error for another method than METHOD_FULL, and a transform that is not rigid
         """
         ...
@@ -1248,6 +1253,8 @@ class ToolTracker:
         model: the tool
         nominal_T_base: where the (wrong) hand-eye calibration believes the arm's base to be, in the camera frame
         Returns: index of the tool
+        Raises cv2.error for a tool with too few keypoints, parameters of stages that are wrong, and a transform that is not rigid or
+        further away than 1000 m; no tool is then added
         """
         ...
     def update(self, image: NDArray[Any], time: float, joints: _Sequence[Union[_Sequence[float], NDArray[np.float64]]]) -> Tuple[ToolEstimate, ...]:
@@ -1257,8 +1264,9 @@ class ToolTracker:
         time: time stamp [s], larger than the last one
         joints: per tool, in the order of addTool(), one reading per coordinate [rad or m]
         estimates: per tool the answer
-        Raises cv2.error for another image type or size, another number of joints, or non-finite values; the tracker's
-        state is then unchanged
+        Readings that no joint can have are left out, see ToolEstimate.skippedReadings.
+        Raises cv2.error for another image type or size, another number of joints, or non-finite values. Whatever is thrown, also by a
+        renderer of the user's own, the tracker is then as it was before the call
         """
         ...
     def updateStereo(self, left: NDArray[Any], right: NDArray[Any], time: float, joints: _Sequence[Union[_Sequence[float], NDArray[np.float64]]]) -> Tuple[ToolEstimate, ...]:
@@ -2346,7 +2354,7 @@ def parseJointMessage(message: str) -> Tuple[JointReading, ...]:
     message: JSON
     readings: those it has; none in a message about other things
     Raises cv2.error naming the key and what was expected, of text that is not JSON, and of a reading that lacks a key or has
-    another type, number of values, or a value that is not finite; readings is then empty. Also if the module was built without
+    another type, number of values, or a value that is not finite, a time beyond 1e11 s or a position beyond 1e6; readings is then empty. Also if the module was built without
     nlohmann_json
     """
     ...
@@ -2386,11 +2394,12 @@ class JointBuffer:
         wrist_yaw, with or without `outer_`); a name that is none is passed over. Without names, or if none of them is a
         coordinate, positions are in the order of the coordinates: all of them, or all but the last one, the jaw.
 
-        A reading older than the history, counted from the newest one, is not kept. If that happens 50 times in succession the robot's
-        clock was set back, or the newest reading was wrong: the history then starts anew.
+        A reading older than the history, counted from the newest one, is not kept, nor one that is newer by more than that. If that happens 50
+        times in succession the robot's clock was set, or paused, or the newest reading was wrong: the history then starts anew.
 
         Returns: whether anything of it was new
-        Raises cv2.error for another number of positions, and values that are not finite; nothing is then kept
+        Raises cv2.error for another number of positions, for values that are not finite, and for times beyond 1e11 s and positions beyond
+        1e6, which no robot has; nothing is then kept
         """
         ...
     def at(self, time: float) -> Tuple[int, NDArray[np.float64]]:

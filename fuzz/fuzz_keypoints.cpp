@@ -1,0 +1,14 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "fuzz.hpp"
+#include "opencv2/surgtrack/import.hpp"
+
+using namespace cv::surgtrack;
+
+FUZZ_FILE(".yaml", [](const std::string& name)
+{
+    importSurgPoseKeypoints(name, name + ".csv", std::vector<cv::String>(), std::vector<cv::String>());
+    std::remove((name + ".csv").c_str());
+})

@@ -1,0 +1,15 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "fuzz.hpp"
+#include "opencv2/surgtrack/sequence.hpp"
+
+using namespace cv::surgtrack;
+
+FUZZ_FILE(".csv", [](const std::string& name)
+{
+    std::vector<double> keys;
+    cv::Mat poses;
+    readPoses(name, keys, poses);
+})

@@ -1,0 +1,15 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "fuzz.hpp"
+#include "opencv2/surgtrack/sequence.hpp"
+
+using namespace cv::surgtrack;
+
+FUZZ_FILE(".yaml", [](const std::string& name)
+{
+    const cv::Ptr<Sequence> sequence = Sequence::load(name, false);
+    writeHandEye(name, sequence->tool(0).name, sequence->tool(0).nominal_T_base);
+    Sequence::load(name, false);
+})
