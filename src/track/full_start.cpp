@@ -35,7 +35,7 @@ bool FullMethod::start(Scene& scene)
     return false;
 }
 
-// All hypotheses about the last pose in the frame that loses the tool; then one a frame, in turn about the last pose and about the calibration, which is moved by the motion of the camera that another
+// One hypothesis a frame, in turn about the last pose and about the calibration, which is moved by the motion of the camera that another
 // tool saw every other time; the upright one half of the time.
 bool FullMethod::search(Scene& scene)
 {
@@ -48,7 +48,7 @@ bool FullMethod::search(Scene& scene)
         filter_->reset(n % 4 == 1 ? calibration_ : scene.cameraMotion * calibration_);
         filter_->predict(joints_);
     }
-    const bool found = n == 0 ? beginAnew(scene, 0, hypotheses - 1) : beginAnew(scene, hypothesis, hypothesis);
+    const bool found = beginAnew(scene, hypothesis, hypothesis);
     if (!found) filter_->setState(before);
     else if (!searched_) confirmed_ = 0;
     searched_ = found;
