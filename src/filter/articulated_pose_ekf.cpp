@@ -30,7 +30,7 @@ void ArticulatedPoseEKF::copyTo(const Ptr<ArticulatedPoseEKF>& other) const
 
 ArticulatedPoseEKF::Params::Params()
     : initialRotation(4 * CV_PI / 180), initialTranslation(0.008), processRotation(0.1 * CV_PI / 180), processTranslation(0.0003),
-      processJoint(0.03), gain(0.02), play(0.02), coupling(0.1), delay(0.1), exact(0.02), pointNoise(3), gate(13.8), contourNoise(1), edgeBias(0.15), bloom(3), jointOffsets(true), contourCorrelation(18)
+      processJoint(0.03), gain(0.02), play(0.02), coupling(0.1), delay(0.05), exact(0.02), pointNoise(3), gate(13.8), contourNoise(1), edgeBias(0.1), bloom(3), jointOffsets(true), contourCorrelation(13)
 {
 }
 
