@@ -151,10 +151,10 @@ double depthAfterBloom(double displaced, int clipped, double bloom, double* bias
 
 TEST(SurgTrack_EdgeBias, edgesThatWhiteEatsIntoDoNotMoveTheToolAway)
 {
-    // Three pixels of both sides of a shaft that is 80 wide: 7 % of its distance, were they believed.
+    // Three pixels of both sides of a shaft that is 80 wide: 7 % of its distance, but for the points, were they believed.
     double bias = 0;
     const double believed = depthAfterBloom(3, 1, 1e-3, 0), known = depthAfterBloom(3, 1, 3, &bias);
-    EXPECT_GT(believed, 0.003);
+    EXPECT_GT(believed, 0.0015);
     EXPECT_LT(std::abs(known), 0.3 * believed);   // points tell the depth; they are fewer
     EXPECT_NEAR(-3, bias, 1);
     EXPECT_LT(std::abs(depthAfterBloom(0, 1, 3, 0)), 1e-4);   // and where nothing is displaced nothing moves

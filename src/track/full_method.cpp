@@ -245,8 +245,8 @@ void FullMethod::conclude(const Scene& scene, bool seen)
         const double past = prior(scene.time), own = evidence_.logOdds();
         lastSeen_ = scene.time;
         confirmed_++;
-        const bool sure = state_ == STATE_INITIALIZING && evidence_.isSure(thresholds_, params_.minInitialInliers);
-        const bool confirmed = confirmed_ > params_.confirmFrames && own >= thresholds_.confirmed;
+        const bool isSure = evidence_.isSure(thresholds_, params_.minInitialInliers), sure = isSure && state_ == STATE_INITIALIZING;
+        const bool confirmed = (confirmed_ > params_.confirmFrames && own >= thresholds_.confirmed) || (confirmed_ > 1 && isSure);
         if (searched_ && state_ == STATE_TRACKING) state_ = STATE_COASTING;   // found elsewhere: to be confirmed
         const bool followed = !searched_ && (state_ == STATE_TRACKING || (state_ == STATE_COASTING && own + past >= thresholds_.sure));
         logOdds_ = own + past;

@@ -175,8 +175,8 @@ public:
     CV_WRAP virtual const std::vector<double>& joints() const = 0;
     /** @brief CV_64F, of (omega, v, d): d is the sum of what is wrong with each reading now. */
     CV_WRAP virtual Mat covariance() const = 0;
-    //! What displaced edges in the last solve(), along their normals [pixel]. @param clipped ContourPoint::clipped
-    virtual double edgeBias(int clipped) const = 0;
+    /** @brief What displaced edges in the last solve(), along their normals [pixel]. @param clipped ContourPoint::clipped */
+    CV_WRAP virtual double edgeBias(int clipped) const = 0;
     /** @brief Normalised innovation squared of the last solve(), per degree of freedom. */
     CV_WRAP virtual double nis() const = 0;
     /** @brief Covariance of where a keypoint will be seen [pixel^2], without measurement noise.

@@ -837,6 +837,8 @@ class ContourPoint:
     """where, from imagePoint along the normal [pixel]"""
     deviation: float
     """standard deviation of the offset, as edges of this strength have it [pixel]"""
+    clipped: int
+    """what the sensor has clipped to white beside the edge: 1 outside the tool, -1 inside, 0 neither; its light blooms over the edge"""
     strength: float
     """of that edge, change of the strongest channel [grey levels a pixel]"""
 
@@ -932,11 +934,11 @@ class ArticulatedPoseEKF:
         initialTranslation: float
         """the same, at the tool [m]"""
         processRotation: float
-        """process noise, standard deviation a frame [rad]"""
+        """process noise, standard deviation in a frame of 40 ms; its variance grows with time [rad]"""
         processTranslation: float
         """the same [m]"""
         processJoint: float
-        """the same, of what is wrong with the joints' readings, as a share of its prior deviation"""
+        """the same, of what is wrong with the joints' readings, as a share of its prior deviation; offsets, a fifth of it the others"""
         gain: float
         """prior standard deviation of a turning joint's gain, of its travel; 0 = none, as of the next two; defaults: what a real PSM had"""
         play: float
@@ -945,12 +947,18 @@ class ArticulatedPoseEKF:
         """the same, of a share of the travel of the coordinate before it"""
         delay: float
         """the same, of the time between image and readings [s]; what is known of it is taken off before"""
+        exact: float
+        """prior probability that there is neither gain nor play nor coupling at all, and that there is no delay; 0 = there are"""
         pointNoise: float
         """standard deviation of a part's image point [pixel]"""
         gate: float
         """points with a larger squared Mahalanobis distance are left out; 13.8 = 99.9 % of chi-square with 2 dof"""
         contourNoise: float
         """standard deviation of an edge along its normal [pixel]"""
+        edgeBias: float
+        """the same, of what displaces all edges of an eye and frame together, as codecs do [pixel]"""
+        bloom: float
+        """the same, of those beside what is clipped to white [pixel]"""
         jointOffsets: bool
         """whether the readings may have offsets"""
         contourCorrelation: float
@@ -979,7 +987,8 @@ class ArticulatedPoseEKF:
 
         joints: readings, one per coordinate [rad or m]
         growth: factor on the deviations of Q
-        seconds: since the last frame; 0 = it is the same one once more, or not known: then nothing is learnt of the delay
+        seconds: since the last frame; 0 = it is the same one once more, or not known: then nothing is learnt of the delay, and Q is that
+        of 40 ms
         """
         ...
     def inflate(self, rotation: float, translation: float) -> None:
