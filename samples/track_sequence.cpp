@@ -266,7 +266,7 @@ void track(const Options& options, Run& run)
 int printFindings(const Options& options, const Run& run)
 {
     std::vector<String> findings, figures;
-    checkSetup(run.sequence, findings, figures, options.stereo);
+    checkSetup(run.sequence, findings, figures, options.stereo || (options.check && run.sequence->isStereo()));
     for (size_t i = 0; i < figures.size() && options.check && !options.quiet; i++)
         std::printf("%s\n", figures[i].c_str());
     for (size_t i = 0; i < findings.size(); i++)

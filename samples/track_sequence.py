@@ -344,7 +344,7 @@ def run_sequence(args):
     """The exit code."""
     run = Run(args)
     if args.check:
-        findings = run.check(args.stereo, args.quiet)
+        findings = run.check(run.sequence.isStereo(), args.quiet)
         if not args.quiet:
             print('%s: %d finding%s' % (run.sequence.name(), len(findings), '' if len(findings) == 1 else 's'))
         return 1 if findings else 0

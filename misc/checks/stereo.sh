@@ -12,6 +12,13 @@ assert float(stereo["sd_tz"]) < float(mono["sd_tz"]), (stereo["sd_tz"], mono["sd
 PYTHON
 }
 
+# names_exchanged_eyes COMMAND...: without being told to look at both.
+names_exchanged_eyes() {
+  local output
+  output="$(limited "$@" 2>&1 || true)"
+  grep -q 'are the eyes exchanged' <<<"$output" || { echo "$output"; return 1; }
+}
+
 # The sequence of two eyes is that of run_evaluation: 8 frames.
 run_stereo() {
   local work="$1" track="$BUILD_DIR/bin/example_surgtrack_track_sequence" make="$BUILD_DIR/bin/example_surgtrack_make_sequence"
@@ -27,6 +34,12 @@ run_stereo() {
     --poses="$work/eyes-ahead.csv" --video="$work/eyes.mp4" --quiet
   sample "its poses file" poses_complete "$work/eyes-ahead.csv" 8
   sample "its video" video_readable "$work/eyes.mp4" 8
+
+  cp -r "$work/stereo" "$work/exchanged"
+  cp "$work/stereo/left.mp4" "$work/exchanged/right.mp4"
+  cp "$work/stereo/right.mp4" "$work/exchanged/left.mp4"
+  sample "--check names exchanged eyes" names_exchanged_eyes "$track" --sequence="$work/exchanged" --check
+  sample "--check of track_sequence.py, too" names_exchanged_eyes "${python[@]}" --sequence="$work/exchanged" --check
 
   sample "refused: two eyes without the method for it" refuses "--method=full" "$track" --sequence="$work/stereo" --stereo --method=paper
   sample "refused: two eyes of a sequence with one" refuses "right_T_left" "$track" --sequence="$work/sequence" --stereo
