@@ -1078,6 +1078,12 @@ class ArticulatedPoseEKF:
     def covariance(self) -> NDArray[Any]:
         """CV_64F, of (omega, v, d): d is the sum of what is wrong with each reading now."""
         ...
+    def edgeBias(self, clipped: int) -> float:
+        """What displaced edges in the last solve(), along their normals [pixel].
+
+        clipped: ContourPoint.clipped
+        """
+        ...
     def nis(self) -> float:
         """Normalised innovation squared of the last solve(), per degree of freedom."""
         ...
