@@ -68,6 +68,7 @@ void FullMethod::reset()
     eyes_ = 2;
     searched_ = isSeen_ = false;
     logOdds_ = 0;
+    ownOdds_ = -DBL_MAX;
 }
 
 const ToolView& FullMethod::predict(const std::vector<double>& joints, double seconds)
@@ -159,6 +160,7 @@ bool FullMethod::follow(Scene& scene, const PartDrawing* ahead)
     if (rivalled) judgeRival();
     judgeEyes(scene);
     if (continues(scene)) return true;
+    ownOdds_ = evidence_.plausible ? evidence_.logOdds() + prior(scene.time) : -DBL_MAX;
     filter_->undo();
     inliers_.clear();
     return false;

@@ -122,6 +122,8 @@ private:
     ArticulatedPoseEKF::State placed_;     // the filter before this frame, and what is known beside it
     FullMemory before_;
 
+    double ownOdds_;                       // log odds, with the past, of the pose that did not do to be followed
+
     // Memory of one function each.
     Pose without_, far_;
     PartWindows windows_;

@@ -13,6 +13,7 @@ namespace {
 const int fitted = 3, fitRounds = 4;    // so many of the nine hypotheses are fitted, in so many rounds
 const int looseFrames = 15;             // after a first pose, which may be the wrong one of two that look alike in one frame
 const double startTurn = 10 * CV_PI / 180;   // two and a half times what a calibration is taken to be off by in each direction [rad]
+const double elsewhere = 0.003;   // of a tool that moves by itself between two frames [m]
 const double searchRotation = 4 * CV_PI / 180, searchTranslation = 0.008;   // how far a lost tool may be from where it was, as the calibration may [rad, m]
 
 } // namespace
@@ -42,13 +43,17 @@ bool FullMethod::search(Scene& scene)
     const int n = searches_++;
     const int hypothesis = n % 4 < 2 ? 0 : 1 + (n / 4) % 8;
     const ArticulatedPoseEKF::State before = filter_->state();
+    const Point3d& p = nominalPoints_[0];
+    const Point3d predicted = transform(filter_->correction(), p);
     if (n % 2 == 0) filter_->inflate(searchRotation, searchTranslation);
     else
     {
         filter_->reset(n % 4 == 1 ? calibration_ : scene.cameraMotion * calibration_);
         filter_->predict(joints_);
     }
-    const bool found = beginAnew(scene, hypothesis, hypothesis);
+    bool found = beginAnew(scene, hypothesis, hypothesis);
+    // Where it was predicted it may be hidden for a moment: a pose elsewhere must explain ten times as much.
+    if (found && norm(transform(filter_->correction(), p) - predicted) > elsewhere && evidence_.logOdds() < ownOdds_ + thresholds_.confirmed) found = false;
     if (!found) filter_->setState(before);
     else if (!searched_) confirmed_ = 0;
     searched_ = found;
