@@ -14,7 +14,8 @@ TEXT
 
 case "${1:-}" in
   '' | [1-9]*) ;;
-  *) usage; exit 1 ;;
+  -h | --help) usage; exit 0 ;;
+  *) usage >&2; exit 1 ;;
 esac
 
 # shellcheck source=misc/common.sh
