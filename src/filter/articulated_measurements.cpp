@@ -241,10 +241,7 @@ bool ArticulatedPoseEKFImpl::solve()
     marginalise(A, b, square);
     if (rows_ == 0 || !posterior(predicted_.P, A, b, x, P)) return false;
     state_.nis = (square - ofState(b).dot(x)) / rows_;
-    SeenVector seenx(m_);
-    seenx.head(6) = x.head(6);
-    seenx.tail(m_ - 6) = phi_ * x.tail(n_ - 6);
-    bias_ = edgeBiases().inverse() * (biasb_ - biasSeen_.transpose() * seenx);
+    bias_ = edgeBiases().inverse() * (biasb_ - biasSeen_.transpose() * seenOf(x));
     state_.P = P;
     const Vector step = x - moved_;
     moved_ = x;

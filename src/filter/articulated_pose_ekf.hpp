@@ -85,6 +85,7 @@ private:
     void predictedNow();
     void sumOffsets(const Vector& theta);
     void see();
+    SeenVector seenOf(const Vector& x) const;
     Matx44d motionOf(const Vector& x) const;
     void believe();
     SeenMatrix seen(const Matrix& P) const;

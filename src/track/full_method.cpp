@@ -55,6 +55,7 @@ FullMethod::FullMethod(int index, const Ptr<ToolModel>& model, const Matx44d& no
     without_.inliers.reserve(parts);
     far_.inliers.reserve(parts);
     rival_.pose.inliers.reserve(parts);
+    before_.rival_.pose.inliers.reserve(parts);
     reset();
 }
 
