@@ -26,7 +26,7 @@ static const char* const KEYS =
     "{ distortion       |     | a lens with distortion }"
     "{ hand-eye-degrees | 3   | error of the recorded hand-eye calibration [degree] }"
     "{ hand-eye-mm      | 6   | the same [mm], at the tool }"
-    "{ joint-noise      | 1   | scale of the errors of the recorded joints; 0 = exact }"
+    "{ joint-noise      | 1   | scale of the errors of the recorded joints: offsets, play, gains and coupling as a real arm has them; 0 = exact }"
     "{ image-noise      | 3   | standard deviation of the image noise [grey levels] }"
     "{ quiet            |     | do not say what was written }";
 

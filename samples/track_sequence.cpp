@@ -65,6 +65,7 @@ void prepare(const Options& options, String folder, Run& run)
     run.timeOffsets.assign(run.tools.size(), options.timeOffset);
     for (size_t i = 0; i < run.tools.size(); i++)
         run.tracker->addTool(run.tools[i].model, run.tools[i].info.nominal_T_base);
+    common::readState(run, options.toolState);
     if (run.sequence->hasGroundTruth())
         run.scorer = PoseScorer::create(run.sequence->leftCamera(), common::modelsOf(run.tools));
 }
@@ -260,6 +261,8 @@ void track(const Options& options, Run& run)
         progress.show(run.frames);
     }
     finish(run, outputs);
+    if (run.frames > run.skipped)
+        common::writeState(run, options.toolState);
 }
 
 //! @return number of findings

@@ -65,6 +65,8 @@ def parse_arguments():
                         help='the joints that belong to the image of time t were recorded at t + SECONDS; auto: found from the sequence, of each tool')
     parser.add_argument('--render-ahead', action='store_true',
                         help='draw the templates of the next frame in a second thread: faster, the poses differ a little')
+    parser.add_argument('--tool-state',
+                        help="file with what was learnt of the joints' errors: read if it is there, written in the end, one for all sequences: play is the same tomorrow")
     parser.add_argument('--config', help='file with parameters of the tracker, as track_sequence --write-config writes it')
     parser.add_argument('--set', action='append', default=[], metavar='NAME=VALUE', help='a parameter, as matcher.minSimilarity=0.5; comes after --config')
     parser.add_argument('--check', action='store_true',
@@ -87,6 +89,8 @@ def parse_arguments():
     if args.stereo and args.params.method != st.METHOD_FULL:
         method = [name for name, value in METHODS.items() if value == args.params.method][0]
         raise Failure("argument '--stereo': method %s uses one image, expected --method=full" % method)
+    if args.tool_state and args.params.method != st.METHOD_FULL:
+        raise Failure("argument '--tool-state': only --method=full learns what is wrong with readings")
     return args
 
 
@@ -122,6 +126,9 @@ class Run:
                 models[info.model] = st.loadTool(info.model)
             self.tracker.addTool(models[info.model], info.nominal_T_base)
             self.tools.append(Tool(info, models[info.model]))
+        if args.tool_state and os.path.isfile(args.tool_state):
+            for i, tool in enumerate(self.tools):
+                self.tracker.setReadingErrors(i, st.readToolState(args.tool_state, tool.info.name))
         self.renderer = st.MeshRenderer.createSoftware()    # of the overlay
         self.scorer = None
         if self.sequence.hasGroundTruth():
@@ -316,6 +323,9 @@ def track(args, run):
         progress.clear()
         if overlay is not None:
             overlay.finish()
+    if args.tool_state and run.frames > run.skipped:
+        tools = range(len(run.tools))
+        st.writeToolState(args.tool_state, [run.tools[i].info.name for i in tools], [run.tracker.readingErrors(i) for i in tools])
     if run.interrupted:
         return
     if run.frames == 0:

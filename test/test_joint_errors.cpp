@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "test_filter_bench.hpp"
+#include "opencv2/surgtrack/tool_state.hpp"
 
 // What is wrong with the readings of a wrist that cables move, and what METHOD_FULL's filter learns of it.
 
@@ -111,6 +112,115 @@ TEST(SurgTrack_JointErrors, exactReadingsLoseLittle)
     }
     if (std::getenv("SURGTRACK_TEST_PRINT")) std::cout << "exact: " << learnt << " rad, " << without << " rad without" << std::endl;
     EXPECT_LT(learnt, 1.5 * without);   // noise is taken for errors of readings, too; measured: 1.31
+}
+
+// What was learnt, through a file or not, is where another filter begins.
+Ptr<ArticulatedPoseEKF> learntFilter(const Bench& still, CableDriven wrist)
+{
+    const CameraModel camera = endoscope();
+    Bench bench(still);
+    RNG rng(5);
+    const Ptr<ArticulatedPoseEKF> filter = bench.filter();
+    for (int frame = 0; frame < FRAMES; frame++)
+    {
+        const std::vector<double> readings = readingsAt(bench.tool, frame);
+        bench.move(wrist.joints(readings));
+        filter->predict(readings);
+        EXPECT_TRUE(correct(*filter, camera, bench.parts, bench.seen(camera, SAME_EYE, 1, &rng), 2)) << frame;
+    }
+    return filter;
+}
+
+TEST(SurgTrack_JointErrors, areTheSameTheNextDay)
+{
+    const TempFolder folder;
+    const CameraModel camera = endoscope();
+    const Matx44d correction = motionAbout(Point3d(0, 0, 0.1), Vec3d(0.01, -0.01, 0.01), Vec3d(0.001, 0.001, -0.001));
+    const Ptr<ArticulatedPoseEKF> before = learntFilter(Bench(PosedTool(0.1), correction), CableDriven(0.03, 0.02, 0.1));
+    writeToolState(folder / "state.yaml", { "PSM1", "PSM2" }, { before->readingErrors(), ReadingErrors() });
+    const ReadingErrors learnt = readToolState(folder / "state.yaml", "PSM1");
+    EXPECT_TRUE(readToolState(folder / "state.yaml", "PSM2").names.empty());
+    EXPECT_EQ(before->readingErrors().names, learnt.names);
+    EXPECT_EQ(before->readingErrors().values, learnt.values);   // as decimal numbers of 17 digits
+    EXPECT_EQ(before->readingErrors().reference, learnt.reference);
+
+    // Play and gains take a travel to be learnt: the first twelve frames of another posture, with and without them.
+    double error[2] = {0, 0};
+    for (int known = 0; known < 2; known++)
+        for (int run = 0; run < 3; run++)
+        {
+            Bench bench(PosedTool(0.1), correction);
+            CableDriven wrist(0.03, 0.02, 0.1);
+            for (int frame = 0; frame <= 40; frame++) wrist.joints(readingsAt(bench.tool, frame));
+            const Ptr<ArticulatedPoseEKF> filter = bench.filter();
+            if (known) filter->setReadingErrors(learnt);
+            RNG rng(30 + run);
+            for (int frame = 41; frame < 53; frame++)
+            {
+                const std::vector<double> readings = readingsAt(bench.tool, frame);
+                bench.move(wrist.joints(readings));
+                filter->predict(readings);
+                ASSERT_TRUE(correct(*filter, camera, bench.parts, bench.seen(camera, SAME_EYE, 1, &rng), 2)) << frame;
+                error[known] += rotationAngle(bench.toolPose(filter->view()), bench.toolPose(bench.tool.view)) / 36;
+            }
+        }
+    if (std::getenv("SURGTRACK_TEST_PRINT")) std::cout << "next day: " << error[1] << " rad, " << error[0] << " rad anew" << std::endl;
+    EXPECT_LT(error[1], error[0]);
+}
+
+TEST(SurgTrack_JointErrors, ofAnotherToolAreRefused)
+{
+    const Ptr<ArticulatedPoseEKF> filter = Bench(PosedTool(0.1)).filter();
+    const ReadingErrors good = filter->readingErrors();
+    ReadingErrors bad = good;
+    bad.names.pop_back();
+    EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
+    bad = good;
+    bad.values[0] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
+    bad = good;
+    bad.covariance = -good.covariance * 100;
+    EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
+    bad = good;
+    bad.covariance = good.covariance(Range(0, 2), Range(0, 2)).clone();
+    EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
+    bad = good;
+    bad.reference.clear();
+    EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
+    filter->setReadingErrors(good);
+    filter->setReadingErrors(ReadingErrors());
+    EXPECT_EQ(good.names, filter->readingErrors().names);
+}
+
+TEST(SurgTrack_JointErrors, priorsOfTheToolFileReplaceTheDefaults)
+{
+    const Ptr<ToolModel> driver = ToolModel::needleDriver();
+    ToolModel::Description d;
+    d.name = driver->name();
+    d.coordinates = driver->coordinateNames();
+    d.links = driver->links();
+    d.meshes = driver->meshes();
+    d.keypoints = driver->keypoints();
+    d.endEffectorLink = driver->endEffectorLink();
+    for (ToolModel::Link& link : d.links)
+    {
+        if (link.coordinate == driver->coordinateIndex("q5")) link.gainDeviation = 0.2;
+        if (link.coordinate == driver->coordinateIndex("q6")) link.playDeviation = link.couplingDeviation = 0;
+    }
+    const TempFolder folder;
+    ToolModel::create(d)->save(folder / "tool.yaml");
+    const ReadingErrors errors = ArticulatedPoseEKF::create(ToolModel::load(folder / "tool.yaml"), Matx44d::eye())->readingErrors();
+    const ArticulatedPoseEKF::Params params;
+    const std::vector<String> expected = {"q4 offset", "q5 offset", "q6 offset", "jaw offset", "q4 gain", "q4 play", "q5 gain", "q5 play", "q5 coupling",
+                                          "q6 gain", "jaw gain", "jaw play", "delay"};
+    ASSERT_EQ(expected, errors.names);
+    EXPECT_DOUBLE_EQ(0.2, std::sqrt(errors.covariance.at<double>(6, 6)));
+    EXPECT_DOUBLE_EQ(params.gain, std::sqrt(errors.covariance.at<double>(4, 4)));
+    EXPECT_DOUBLE_EQ(params.coupling, std::sqrt(errors.covariance.at<double>(8, 8)));
+
+    for (ToolModel::Link& link : d.links)
+        if (link.jointType == ToolModel::JOINT_PRISMATIC) link.gainDeviation = 0.1;
+    EXPECT_THROW(ToolModel::create(d), cv::Exception);
 }
 
 TEST(SurgTrack_JointErrors, playIsHungInUntilItsOtherEndIsReached)

@@ -225,6 +225,8 @@ TEST(SurgTrack_ToolModel, everyErrorNamesFileAndKey)
         { "scale: 2", "scale: 2, offset_deviation: .Nan", "links[1].joint.offset_deviation: expected a finite number" },
         { "scale: 2", "scale: 2, offset_deviation: \"wide\"", "links[1].joint.offset_deviation: expected a finite number" },
         { "type: \"fixed\"", "type: \"fixed\", offset_deviation: 0", "links[0].joint.offset_deviation: unknown key" },
+        { "scale: 1 ", "scale: 1, play_deviation: -0.1 ", "joint.play_deviation: expected a number of at least 0" },
+        { "scale: 2", "scale: 2, gain_deviation: 0.1", "links[1].joint.gain_deviation: expected none, as the joint does not turn" },
         { "alpha: 0.1, ", "", "links[0].mdh.alpha: missing" },
         { "alpha: 0.1", "alpha: .Inf", "links[0].mdh.alpha: expected a finite number" },
         { "d: 0.4", "d: 0.4, e: 1", "links[0].mdh.e: unknown key" },

@@ -54,6 +54,7 @@ calibration, time offsets, importers, live data, the scene from outside and scor
 #include "opencv2/surgtrack/part_finder.hpp"
 #include "opencv2/surgtrack/tool_pose_ekf.hpp"
 #include "opencv2/surgtrack/contour.hpp"
+#include "opencv2/surgtrack/reading_errors.hpp"
 #include "opencv2/surgtrack/articulated_pose_ekf.hpp"
 #include "opencv2/surgtrack/tracking_state.hpp"
 #include "opencv2/surgtrack/tool_estimate.hpp"

@@ -26,6 +26,7 @@ typedef std::vector<cv::surgtrack::Mesh> vector_Mesh;
 typedef std::vector<cv::surgtrack::MeshInstance> vector_MeshInstance;
 typedef std::vector<cv::surgtrack::PartMatch> vector_PartMatch;
 typedef std::vector<cv::surgtrack::PartTemplate> vector_PartTemplate;
+typedef std::vector<cv::surgtrack::ReadingErrors> vector_ReadingErrors;
 typedef std::vector<cv::surgtrack::StageTime> vector_StageTime;
 typedef std::vector<cv::surgtrack::ToolEstimate> vector_ToolEstimate;
 typedef std::vector<cv::surgtrack::ToolView> vector_ToolView;

@@ -17,7 +17,7 @@ namespace common {
 struct TrackOptions
 {
     std::vector<cv::String> sequences;    // none: the built-in one
-    cv::String poses, video, timings, debug, debugFrames;
+    cv::String poses, video, timings, debug, debugFrames, toolState;
     cv::surgtrack::ToolTracker::Params params;
     cv::surgtrack::ToolTracker::Stages stages;
     int start, frames;
@@ -44,6 +44,7 @@ inline const char* trackKeys()
     "{ frames   | 0     | number of frames, 0 = to the end of the video }"
     "{ time-offset | 0  | the joints that belong to the image of time t were recorded at t + SECONDS; auto: found from the sequence, of each tool }"
     "{ render-ahead |   | draw the templates of the next frame in a second thread: faster, the poses differ a little }"
+    "{ tool-state |     | file with what was learnt of the joints' errors: read if it is there, written in the end, one for all sequences: play is the same tomorrow }"
     "{ config   |       | file with parameters of the tracker, as --write-config writes it }"
     "{ set      |       | NAME=VALUE[,NAME=VALUE...]: parameters, as matcher.minSimilarity=0.5; comes after --config }"
     "{ write-config |   | file to write all parameters to; nothing is tracked }"
@@ -55,7 +56,7 @@ inline Program trackProgram()
 {
     const Program program = { "track_sequence", "Tracks the tools of recorded sequences by their CAD models and joint readings. Exit code 2: nothing was tracked.",
                               trackKeys(), { "sequence", "poses", "video", "method", "start", "frames", "time-offset", "timings", "debug", "debug-frames",
-                                             "config", "set", "write-config" },
+                                             "tool-state", "config", "set", "write-config" },
                               { "stereo", "render-ahead", "check", "quiet" } };
     return program;
 }
@@ -103,6 +104,7 @@ inline TrackOptions readTrackOptions(const cv::CommandLineParser& parser)
     options.timings = parser.get<cv::String>("timings");
     options.debug = parser.get<cv::String>("debug");
     options.debugFrames = parser.get<cv::String>("debug-frames");
+    options.toolState = parser.get<cv::String>("tool-state");
     options.start = integer(parser, "start", 0);
     options.frames = integer(parser, "frames", 0);
     readTimeOffset(parser.get<cv::String>("time-offset"), options);
@@ -114,6 +116,8 @@ inline TrackOptions readTrackOptions(const cv::CommandLineParser& parser)
     if (options.stereo && options.params.method != cv::surgtrack::METHOD_FULL)
         fail(cv::String("argument '--stereo': method ") + (options.params.method == cv::surgtrack::METHOD_PAPER ? "paper" : "epnp") +
              " uses one image, expected --method=full");
+    if (!options.toolState.empty() && options.params.method != cv::surgtrack::METHOD_FULL)
+        fail("argument '--tool-state': only --method=full learns what is wrong with readings");
     if (!options.debugFrames.empty() && options.debug.empty())
         fail("argument '--debug-frames': expected --debug=DIR too");
     if (!options.debug.empty() && options.renderAhead)

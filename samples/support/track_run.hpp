@@ -7,6 +7,7 @@
 #ifndef OPENCV_SURGTRACK_SAMPLES_SUPPORT_TRACK_RUN_HPP
 #define OPENCV_SURGTRACK_SAMPLES_SUPPORT_TRACK_RUN_HPP
 
+#include "opencv2/core/utils/filesystem.hpp"
 #include "opencv2/surgtrack.hpp"
 #include "opencv2/surgtrack/lab.hpp"
 #include "debug_pictures.hpp"
@@ -32,6 +33,25 @@ struct TrackRun
     std::vector<double> timeOffsets;    // a tool, beside those of the sequence [s]
     bool interrupted;
 };
+
+//! What an earlier run learnt of the joints, if there was one.
+inline void readState(TrackRun& run, const String& filename)
+{
+    if (filename.empty() || !utils::fs::exists(filename))
+        return;
+    for (size_t i = 0; i < run.tools.size(); i++)
+        run.tracker->setReadingErrors((int)i, readToolState(filename, run.tools[i].info.name));
+}
+
+inline void writeState(const TrackRun& run, const String& filename)
+{
+    if (filename.empty())
+        return;
+    std::vector<ReadingErrors> errors;
+    for (size_t i = 0; i < run.tools.size(); i++)
+        errors.push_back(run.tracker->readingErrors((int)i));
+    writeToolState(filename, namesOf(run.tools), errors);
+}
 
 inline void drawResult(Mat& image, const TrackRun& run, const std::vector<std::vector<double> >& joints, const std::vector<ToolEstimate>& estimates)
 {

@@ -41,13 +41,24 @@ int knownName(const NodeReader& node, const std::vector<String>& names, const ch
     return index;
 }
 
+// How wrong readings may be.
+struct Deviation
+{
+    double ToolModel::Link::*value;
+    const char* key;
+    bool turns;    // of joints that turn
+};
+const Deviation DEVIATIONS[] = { { &ToolModel::Link::offsetDeviation, "offset_deviation", false }, { &ToolModel::Link::gainDeviation, "gain_deviation", true },
+                                 { &ToolModel::Link::playDeviation, "play_deviation", true },
+                                 { &ToolModel::Link::couplingDeviation, "coupling_deviation", true } };
+
 ToolModel::Link parseLink(const NodeReader& node, const std::vector<String>& coordinates)
 {
     node.map({ "name", "parent", "joint", "mdh", "mesh", "link_T_mesh" });
     ToolModel::Link link;
     link.name = node["name"].text();
 
-    const NodeReader joint = node["joint"].map({ "type", "coordinate", "scale", "offset_deviation" });
+    const NodeReader joint = node["joint"].map({ "type", "coordinate", "scale", "offset_deviation", "gain_deviation", "play_deviation", "coupling_deviation" });
     const String type = joint["type"].text();
     link.jointType = type == "fixed" ? ToolModel::JOINT_FIXED : type == "revolute" ? ToolModel::JOINT_REVOLUTE : ToolModel::JOINT_PRISMATIC;
     if (type != JOINT_NAMES[link.jointType])
@@ -58,11 +69,15 @@ ToolModel::Link parseLink(const NodeReader& node, const std::vector<String>& coo
         link.coordinate = knownName(joint["coordinate"], coordinates, "a coordinate");
     if (joint.has("scale"))
         link.scale = joint["scale"].number();
-    if (joint.has("offset_deviation"))
+    for (const Deviation& d : DEVIATIONS)
     {
-        link.offsetDeviation = joint["offset_deviation"].number();
-        if (link.offsetDeviation < 0)
-            joint["offset_deviation"].fail("expected a number of at least 0; without the key it is the default");
+        if (!joint.has(d.key))
+            continue;
+        link.*d.value = joint[d.key].number();
+        if (link.*d.value < 0)
+            joint[d.key].fail("expected a number of at least 0; without the key it is the default");
+        if (d.turns && link.jointType != ToolModel::JOINT_REVOLUTE)
+            joint[d.key].fail("expected none, as the joint does not turn");
     }
 
     const NodeReader mdh = node["mdh"].map({ "alpha", "a", "theta", "d" });
@@ -297,8 +312,9 @@ void ToolModel::save(const String& filename) const
         file << "joint" << "{:" << "type" << JOINT_NAMES[link.jointType];
         if (link.jointType != JOINT_FIXED)
             file << "coordinate" << description_.coordinates[link.coordinate] << "scale" << link.scale;
-        if (link.offsetDeviation >= 0)
-            file << "offset_deviation" << link.offsetDeviation;
+        for (const Deviation& d : DEVIATIONS)
+            if (link.*d.value >= 0)
+                file << d.key << link.*d.value;
         file << "}" << "mdh" << "{:" << "alpha" << link.alpha << "a" << link.a << "theta" << link.theta << "d" << link.d << "}";
         if (link.mesh >= 0)
             file << "mesh" << format("meshes/%s_%d.ply", stem.c_str(), link.mesh);

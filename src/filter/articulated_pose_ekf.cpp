@@ -69,23 +69,9 @@ ArticulatedPoseEKFImpl::ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, cons
     CV_Assert(model);
     CV_Assert(isRigid(nominal_T_base) && "nominal_T_base: rigid");
     checkParams(params);
-    deviations_ = model->offsetDeviations();
-    if (!params.jointOffsets) std::fill(deviations_.begin(), deviations_.end(), 0.);
-    const std::vector<ToolModel::Link>& links = model->links();
-    std::vector<uchar> revolute(deviations_.size(), 0);
-    for (size_t i = 0; i < deviations_.size(); i++)
-    {
-        // Two links that one coordinate moves against each other are jaws, closed at 0.
-        bool positive = false, negative = false;
-        for (size_t l = 0; l < links.size(); l++)
-            if (links[l].coordinate == int(i))
-            {
-                (links[l].scale > 0 ? positive : negative) = true;
-                revolute[i] = links[l].jointType == ToolModel::JOINT_REVOLUTE;
-            }
-        isJaw_.push_back(positive && negative);
-    }
-    errors_ = makePtr<JointErrors>(deviations_, revolute, isJaw_, params);
+    const size_t coordinates = model->coordinateNames().size();
+    isJaw_ = JointErrors::jaws(*model);
+    errors_ = makePtr<JointErrors>(*model, params, params.jointOffsets);
     const int delays = params.delay > 0;   // comes last
     n_ = 6 + errors_->size() + delays;
     m_ = 6 + errors_->offsets() + delays;
@@ -98,33 +84,33 @@ ArticulatedPoseEKFImpl::ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, cons
     }
     exact_.add(constants, priors);
     if (delays) exact_.add(std::vector<int>(1, n_ - 1), std::vector<double>(1, params.delay));
-    for (size_t i = 0; i < deviations_.size(); i++) stateOf_.push_back(errors_->offsetOf(i) < 0 ? -1 : 6 + errors_->offsetOf(i));
-    directions_.assign(deviations_.size(), 0.);
-    offsets_.assign(deviations_.size(), 0.);
+    for (size_t i = 0; i < coordinates; i++) stateOf_.push_back(errors_->offsetOf(i) < 0 ? -1 : 6 + errors_->offsetOf(i));
+    directions_.assign(coordinates, 0.);
+    offsets_.assign(coordinates, 0.);
     late_ = rates_ = offsets_;
-    joints_.assign(deviations_.size(), 0.);
-    axes_.resize(links.size());
-    reset(Matx44d::eye());
+    joints_.assign(coordinates, 0.);
+    axes_.resize(model->links().size());
+    setReadingErrors(ReadingErrors());
 }
 
 void ArticulatedPoseEKFImpl::reset(const Matx44d& correction)
 {
     CV_Assert(isRigid(correction) && "correction: rigid");
     state_.correction = correction;
-    state_.theta.setZero(n_ - 6);
+    state_.theta = known_;
     state_.P = Matrix::Zero(n_, n_);
+    state_.P.bottomRightCorner(n_ - 6, n_ - 6) = knownP_;
     for (int i = 0; i < 3; i++)
     {
         state_.P(i, i) = params_.initialRotation * params_.initialRotation;
         state_.P(3 + i, 3 + i) = params_.initialTranslation * params_.initialTranslation;
     }
-    for (int i = 6; i < n_; i++) state_.P(i, i) = std::pow(prior(i), 2);
     state_.shift.setZero(n_);
     state_.believed_T_correction = Matx44d::eye();
     state_.nis = 0;
     state_.placed = false;
     bias_.setZero();
-    reference_.clear();   // nothing is known of travel
+    reference_ = knownReference_;
     history_.clear();
     std::fill(directions_.begin(), directions_.end(), 0.);
     moved_.setZero(n_);
@@ -284,8 +270,7 @@ void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double g
         state_.P(i, i) += more * params_.processRotation * params_.processRotation;
         state_.P(3 + i, 3 + i) += more * params_.processTranslation * params_.processTranslation;
     }
-    const int offsets = 6 + errors_->offsets();
-    for (int i = 6; i < n_; i++) state_.P(i, i) += more * std::pow(params_.processJoint * prior(i) * (i < offsets || i >= 6 + errors_->size() ? 1 : steadiness), 2);
+    for (int i = 6; i < n_; i++) state_.P(i, i) += more * std::pow(params_.processJoint * prior(i) * (changes(i) ? 1 : steadiness), 2);
     predictedNow();
 }
 

@@ -53,6 +53,8 @@ public:
     void dropReadings() CV_OVERRIDE { history_ = earlier_; }
     State state() const CV_OVERRIDE;
     void setState(const State& state) CV_OVERRIDE;
+    ReadingErrors readingErrors() const CV_OVERRIDE;
+    void setReadingErrors(const ReadingErrors& errors) CV_OVERRIDE;
     void setHandEye(const Matx44d& nominal_T_base) CV_OVERRIDE;
     void moveCamera(const Matx44d& now_T_before) CV_OVERRIDE;
     const ToolView& view() const CV_OVERRIDE { return view_; }
@@ -76,6 +78,8 @@ private:
         bool revolute;
     };
 
+    // Whether a constant may be another one after a pause.
+    bool changes(int i) const { return i < 6 + errors_->offsets() || i >= 6 + errors_->size(); }
     double prior(int i) const { return i - 6 < errors_->size() ? errors_->prior(i - 6) : params_.delay; }
     void place();
     bool row(const CameraModel& camera, const Matx44d& eye_T_camera, int link, const Point3d& linkPoint, Point2d& imagePoint,
@@ -101,11 +105,13 @@ private:
     Params params_;
     std::vector<uchar> isJaw_;        // of a coordinate
     std::vector<int> stateOf_;        // of a coordinate: index in what is seen, or -1
-    std::vector<double> deviations_;  // of a coordinate
     Ptr<JointErrors> errors_;
     int n_, m_;                       // of the state (omega, v, theta), and of what is seen (omega, v, d)
     std::vector<double> joints_;      // readings of this frame
-    std::vector<double> reference_;   // of the first frame; none before
+    std::vector<double> reference_;   // of the first frame, or of what was learnt before; none before
+    Vector known_;                    // theta, its covariance and reference before the first frame
+    Matrix knownP_;
+    std::vector<double> knownReference_;
     std::vector<double> directions_;  // see JointErrors
     Matrix phi_;                      // d = phi theta
     std::vector<double> offsets_;     // of a coordinate, d

@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "base/checks.hpp"
 #include "filter/articulated_pose_ekf.hpp"
 
 namespace cv { namespace surgtrack {
@@ -77,6 +78,57 @@ void ArticulatedPoseEKFImpl::setState(const State& state)
     for (int i = 0; i < n_; i++) moved_[i] = state.moved[i];
     setReadings(joints_);
     predictedSeen_ = seen(predicted_.P);
+}
+
+ReadingErrors ArticulatedPoseEKFImpl::readingErrors() const
+{
+    ReadingErrors result;
+    const int n = n_ - 6;
+    for (int i = 0; i < n; i++) result.names.push_back(i < errors_->size() ? errors_->name(i) : String("delay"));
+    result.values.assign(state_.theta.data(), state_.theta.data() + n);
+    result.reference = reference_.empty() ? joints_ : reference_;
+    Mat_<double> covariance(n, n);
+    for (int r = 0; r < n; r++)
+        for (int c = 0; c < n; c++) covariance(r, c) = state_.P(6 + r, 6 + c);
+    result.covariance = covariance;
+    return result;
+}
+
+void ArticulatedPoseEKFImpl::setReadingErrors(const ReadingErrors& errors)
+{
+    const int n = n_ - 6;
+    Vector mean(n);
+    mean.setZero();
+    Matrix P = Matrix::Zero(n, n);
+    if (!errors.names.empty())
+    {
+        const std::vector<String> names = readingErrors().names;
+        if (errors.names != names)
+        {
+            String all;
+            for (size_t i = 0; i < names.size(); i++) all += (i ? ", " : "") + names[i];
+            CV_Error(Error::StsBadArg, "errors.names: of another tool, or with other parameters; expected " + all);
+        }
+        CV_CheckEQ((int)errors.values.size(), n, "errors.values: one of each name");
+        CV_CheckEQ(errors.reference.size(), joints_.size(), "errors.reference: one per coordinate");
+        checkFinite(errors.values, "errors.values");
+        checkFinite(errors.reference, "errors.reference");
+        CV_CheckTypeEQ(errors.covariance.type(), CV_64F, "errors.covariance");
+        if (errors.covariance.dims != 2 || errors.covariance.rows != n || errors.covariance.cols != n || !checkRange(errors.covariance))
+            CV_Error(Error::StsBadArg, format("errors.covariance: expected %d x %d finite numbers", n, n));
+        for (int r = 0; r < n; r++)
+        {
+            mean[r] = errors.values[r];
+            for (int c = 0; c < n; c++) P(r, c) = (errors.covariance.at<double>(r, c) + errors.covariance.at<double>(c, r)) / 2;
+        }
+    }
+    for (int i = 0; i < n; i++)
+        if (errors.names.empty() || changes(6 + i)) P(i, i) += std::pow(prior(6 + i), 2);
+    if (n > 0 && Eigen::LLT<Matrix>(P).info() != Eigen::Success) CV_Error(Error::StsBadArg, "errors.covariance: is none, it is not positive definite");
+    known_ = mean;
+    knownP_ = P;
+    knownReference_ = errors.reference;
+    reset(Matx44d::eye());
 }
 
 }} // namespace cv::surgtrack

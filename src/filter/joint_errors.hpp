@@ -16,8 +16,11 @@ namespace cv { namespace surgtrack {
 class JointErrors
 {
 public:
-    //! @param offsets prior deviation of each coordinate's offset; 0: it is exact @param revolute coordinates that turn
-    JointErrors(const std::vector<double>& offsets, const std::vector<uchar>& revolute, const std::vector<uchar>& jaw, const ArticulatedPoseEKF::Params& params);
+    //! @param wrong whether readings may be wrong at all
+    JointErrors(const ToolModel& model, const ArticulatedPoseEKF::Params& params, bool wrong);
+
+    //! Coordinates that are jaws, closed at 0: two links that they move against each other.
+    static std::vector<uchar> jaws(const ToolModel& model);
 
     //! Of theta.
     int size() const { return int(priors_.size()); }
@@ -29,6 +32,8 @@ public:
     int stateOf(size_t coordinate) const { return 6 + offsetOf_[coordinate]; }
     //! Standard deviation before anything is known.
     double prior(int i) const { return priors_[i]; }
+    //! What a constant is called, as `wrist_yaw gain`.
+    const String& name(int i) const { return names_[i]; }
 
     //! The direction each coordinate came from, -1..1, after it has moved.
     static void hang(const double* before, const double* now, size_t n, double* directions);
@@ -41,11 +46,12 @@ private:
         enum Kind { OFFSET, GAIN, PLAY, COUPLING } kind;
         int row, coordinate;   // of d; whose travel or direction counts
     };
-    void add(Term::Kind kind, int row, size_t coordinate, double prior);
+    void add(Term::Kind kind, int row, size_t coordinate, double prior, const String& name);
 
     std::vector<int> coordinates_, offsetOf_;
     std::vector<Term> terms_;
     std::vector<double> priors_;
+    std::vector<String> names_;
 };
 
 }} // namespace cv::surgtrack

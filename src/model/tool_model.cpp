@@ -10,7 +10,7 @@
 namespace cv { namespace surgtrack {
 
 ToolModel::Link::Link()
-    : parent(-1), jointType(JOINT_FIXED), coordinate(-1), scale(1), alpha(0), a(0), theta(0), d(0), mesh(-1), offsetDeviation(-1)
+    : parent(-1), jointType(JOINT_FIXED), coordinate(-1), scale(1), alpha(0), a(0), theta(0), d(0), mesh(-1), offsetDeviation(-1), gainDeviation(-1), playDeviation(-1), couplingDeviation(-1)
 {
 }
 
@@ -72,13 +72,20 @@ void checkDescription(const ToolModel::Description& tool)
         expect(std::abs(link.scale) <= largestFactor && std::max(std::abs(link.a), std::abs(link.d)) <= longest
                    && std::max(std::abs(link.alpha), std::abs(link.theta)) <= largestAngle,
                path + format(": expected a scale of at most %g, a and d of at most %g m, alpha and theta of at most %g rad", largestFactor, longest, largestAngle));
-        expect(link.offsetDeviation < 0 || (link.offsetDeviation <= largestAngle && !fixed),
-               path + ".offsetDeviation: expected a finite number, or a negative one for the default, as for a fixed joint");
+        static const struct { double ToolModel::Link::*value; const char* name; bool turns; } deviations[] = {
+            { &ToolModel::Link::offsetDeviation, ".offsetDeviation", false }, { &ToolModel::Link::gainDeviation, ".gainDeviation", true },
+            { &ToolModel::Link::playDeviation, ".playDeviation", true }, { &ToolModel::Link::couplingDeviation, ".couplingDeviation", true } };
+        for (const auto& d : deviations)
+        {
+            const double value = link.*d.value;
+            expect(value < 0 || (value <= largestAngle && (d.turns ? link.jointType == ToolModel::JOINT_REVOLUTE : !fixed)),
+                   path + d.name + ": expected a finite number, or a negative one for the default, as for a "
+                       + (d.turns ? "joint that does not turn" : "fixed joint"));
+            for (int j = 0; j < i; ++j)
+                expect(fixed || tool.links[j].coordinate != link.coordinate || tool.links[j].*d.value < 0 || value < 0 || tool.links[j].*d.value == value,
+                       path + d.name + ": expected the same as of the other links of this coordinate");
+        }
         expect(link.mesh >= -1 && link.mesh < (int)tool.meshes.size(), path + ".mesh: expected the index of a mesh, or -1");
-        for (int j = 0; j < i; ++j)
-            expect(fixed || tool.links[j].coordinate != link.coordinate || tool.links[j].offsetDeviation < 0 || link.offsetDeviation < 0
-                       || tool.links[j].offsetDeviation == link.offsetDeviation,
-                   path + ".offsetDeviation: expected the same as of the other links of this coordinate");
     }
     for (size_t i = 0; i < tool.meshes.size(); ++i)
         checkMesh(tool.meshes[i], format("meshes[%d]", (int)i));

@@ -291,6 +291,12 @@ void FullMethod::conclude(const Scene& scene, bool seen)
     evidence_.parts = int(inliers_.size());
 }
 
+void FullMethod::setReadingErrors(const ReadingErrors& errors)
+{
+    filter_->setReadingErrors(errors);
+    reset();
+}
+
 // A calibration that is another one is as good a beginning as the last was; what was tracked stays where it is.
 void FullMethod::setHandEye(const Matx44d& nominal_T_base)
 {

@@ -66,6 +66,8 @@ public:
     void measure(Scene& scene, const PartDrawing* ahead) CV_OVERRIDE;
     const ToolView& view() const CV_OVERRIDE { return filter_->view(); }
     void report(ToolEstimate& estimate) const CV_OVERRIDE;
+    ReadingErrors readingErrors() const CV_OVERRIDE { return filter_->readingErrors(); }
+    void setReadingErrors(const ReadingErrors& errors) CV_OVERRIDE;
     void setHandEye(const Matx44d& nominal_T_base) CV_OVERRIDE;
     void moveCamera(const Matx44d& now_T_before) CV_OVERRIDE;
     void inherit(const ToolMethod& other) CV_OVERRIDE;

@@ -62,6 +62,11 @@ public:
     //! How the camera has moved since the tool was first tracked, if by more than an estimate wanders; else unit.
     Matx44d cameraMotion() const;
 
+    //! Of the joints, for METHOD_FULL.
+    virtual ReadingErrors readingErrors() const { return ReadingErrors(); }
+    //! Begins anew with these.
+    virtual void setReadingErrors(const ReadingErrors&) { CV_Error(Error::StsBadArg, "Params::method: only METHOD_FULL learns what is wrong with readings"); }
+
     //! The calibration is another; the pose that is known stays. @param nominal_T_base rigid
     virtual void setHandEye(const Matx44d& nominal_T_base) = 0;
     //! The camera has moved by this, and with it where the calibration has the base.

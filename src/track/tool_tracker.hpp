@@ -23,6 +23,8 @@ public:
     void setHandEye(int tool, const Matx44d& nominal_T_base) CV_OVERRIDE;
     void moveCamera(const Matx44d& now_T_before) CV_OVERRIDE;
     void setMask(InputArray mask, int eye) CV_OVERRIDE;
+    ReadingErrors readingErrors(int tool) const CV_OVERRIDE;
+    void setReadingErrors(int tool, const ReadingErrors& errors) CV_OVERRIDE;
     void reset(int tool) CV_OVERRIDE;
     void update(InputArray image, double time, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates) CV_OVERRIDE;
     void updateStereo(InputArray left, InputArray right, double time, const std::vector<std::vector<double> >& joints,

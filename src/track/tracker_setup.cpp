@@ -176,6 +176,19 @@ void ToolTrackerImpl::setMask(InputArray mask, int eye)
     cameras_[eye].mask = copy;
 }
 
+ReadingErrors ToolTrackerImpl::readingErrors(int tool) const
+{
+    checkTool(tool);
+    return tools_[tool]->readingErrors();
+}
+
+void ToolTrackerImpl::setReadingErrors(int tool, const ReadingErrors& errors)
+{
+    checkTool(tool);
+    tools_[tool]->setReadingErrors(errors);
+    if (ahead_) ahead_->clear();
+}
+
 void ToolTrackerImpl::reset(int tool)
 {
     if (tool != -1) checkTool(tool);

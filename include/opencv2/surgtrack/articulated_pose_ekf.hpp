@@ -6,6 +6,7 @@
 #define OPENCV_SURGTRACK_ARTICULATED_POSE_EKF_HPP
 
 #include "opencv2/surgtrack/contour.hpp"
+#include "opencv2/surgtrack/reading_errors.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -152,6 +153,15 @@ public:
 
     /** @brief Makes another filter of the same tool what this one is. @param other changes */
     CV_WRAP void copyTo(const Ptr<ArticulatedPoseEKF>& other) const;
+
+    /** @brief The constants of the readings' errors. */
+    CV_WRAP virtual ReadingErrors readingErrors() const = 0;
+
+    /** @brief What was learnt of them before: where reset() begins, in place of nothing; calls it. Offsets and the delay may have changed since
+    by as much as they are unknown by without this.
+    @param errors of the same tool, as readingErrors() gave them; without names: nothing is known
+    @throws cv::Exception for other constants than those of this filter, numbers that are not finite, and a covariance that is none */
+    CV_WRAP virtual void setReadingErrors(const ReadingErrors& errors) = 0;
 
     /** @brief The calibration is another one: the tool, and what is known of its place, stay where they are, so the correction changes.
     @param nominal_T_base rigid */

@@ -18,5 +18,6 @@
 #include "opencv2/surgtrack/pose_score.hpp"
 #include "opencv2/surgtrack/setup_check.hpp"
 #include "opencv2/surgtrack/tracker_params.hpp"
+#include "opencv2/surgtrack/tool_state.hpp"
 
 #endif

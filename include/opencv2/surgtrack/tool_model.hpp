@@ -65,7 +65,10 @@ public:
         double scale;             //!< joint value = scale * coordinate
         double alpha, a, theta, d;
         int mesh;                 //!< index into meshes(); -1: nothing to draw
-        double offsetDeviation;   //!< for offsetDeviations(), the same in all links of a coordinate [rad or m]; negative: the default
+        double offsetDeviation;   //!< for offsetDeviations(), the same in all links of a coordinate [rad or m]; negative: the default, as of the next three
+        double gainDeviation;     //!< of a joint that turns: see ArticulatedPoseEKF::Params::gain,
+        double playDeviation;     //!< play [rad],
+        double couplingDeviation; //!< and coupling
         Link();
     };
 

@@ -212,6 +212,15 @@ public:
     @param now_T_before pose of the camera at the last frame in its frame now [m] */
     CV_WRAP virtual void moveCamera(const Matx44d& now_T_before) = 0;
 
+    /** @brief What was learnt of the errors of a tool's joint readings, METHOD_FULL; else nothing. @param tool index */
+    CV_WRAP virtual ReadingErrors readingErrors(int tool) const = 0;
+
+    /** @brief The same of another day: a robot's play does not change overnight. The tool begins anew with it, also after reset().
+    @param tool index
+    @param errors of the same instrument on the same arm, see ArticulatedPoseEKF::setReadingErrors()
+    @throws cv::Exception for another method than METHOD_FULL, and errors of another tool */
+    CV_WRAP virtual void setReadingErrors(int tool, const ReadingErrors& errors) = 0;
+
     /** @brief Forgets what was learnt of a tool. @param tool index; -1 = all */
     CV_WRAP virtual void reset(int tool = -1) = 0;
 

@@ -15,8 +15,12 @@ const int COORDINATES = SyntheticArm::COORDINATES;
 
 // Of two joints that turn, the insertion, the roll, two of the wrist, and the jaw: amplitude of the motion, and standard deviations of the errors of the readings [rad, m].
 const double AMPLITUDE[COORDINATES] = { 0.05, 0.05, 0.008, 0.9, 0.55, 0.55, 0.4 };
-const double BIAS[COORDINATES]      = { 0.006, 0.006, 0.0006, 0.02, 0.02, 0.02, 0.03 };
-const double DRIFT[COORDINATES]     = { 0.001, 0.001, 0.0001, 0.004, 0.004, 0.004, 0.006 };
+/* A real PSM under an optical tracker (507 poses of a Large Needle Driver, KinematicCalibDVRK's data): of 0.070 rad of wrist error constant
+   offsets explain 0.010, play of +-0.02 rad another 0.013, gains of 0.02 and a coupling of pitch into yaw another 0.014. */
+const double BIAS[COORDINATES]      = { 0.006, 0.006, 0.0006, 0.02, 0.03, 0.03, 0.03 };
+const double PLAY[COORDINATES]      = { 0, 0, 0, 0.012, 0.02, 0.02, 0.03 };    // half of it: cables of the jaws are the longest, of the roll the shortest
+const double GAIN[COORDINATES]      = { 0, 0, 0, 0.02, 0.02, 0.02, 0.02 };
+const double COUPLING = 0.09;
 const double WHITE[COORDINATES]     = { 0.0002, 0.0002, 0.00002, 0.0006, 0.0006, 0.0006, 0.001 };
 const double MIN_JAW = 0.03;
 const double RECORD_RATE = 100;          // [Hz]
@@ -57,6 +61,7 @@ SyntheticArm::SyntheticArm(const Ptr<ToolModel>& model, const SyntheticScene::Pa
     limits_ = model_->jointLimits();
     place(motion.shaft);
     makeMotion();
+    makePlay();
 }
 
 void SyntheticArm::place(const Vec3d& shaft)
@@ -87,9 +92,10 @@ void SyntheticArm::place(const Vec3d& shaft)
     for (int i = 0; i < COORDINATES; i++)
     {
         bias_[i] = params_.jointNoise * reading.gaussian(BIAS[i]);
-        drift_[i] = params_.jointNoise * DRIFT[i];
-        driftPhase_[i] = reading.uniform(0., 2 * CV_PI);
+        gain_[i] = params_.jointNoise * reading.gaussian(GAIN[i]);
+        hang_[i] = reading.uniform(-1., 1.) * params_.jointNoise * PLAY[i];
     }
+    coupling_ = params_.jointNoise * (reading.uniform(0., 1.) < 0.5 ? -COUPLING : COUPLING);
 }
 
 // The insertion that puts the end effector of the straight tool this far from the base.
@@ -126,6 +132,33 @@ void SyntheticArm::makeMotion()
     }
 }
 
+// How far each joint lags behind its motor at each record, after all it has travelled until then.
+void SyntheticArm::makePlay()
+{
+    const int records = cvCeil(params_.frames / params_.fps * RECORD_RATE) + 2;
+    std::vector<double> before = trueJoints(0);
+    hangs_.assign((size_t)records * COORDINATES, 0.);
+    for (int k = 0; k < records; k++)
+    {
+        const std::vector<double> now = trueJoints(k / RECORD_RATE);
+        for (int i = 0; i < count_; i++)
+        {
+            const double play = params_.jointNoise * PLAY[i], travel = now[coordinates[i]] - before[coordinates[i]];
+            hang_[i] = std::min(std::max(hang_[i] - travel, -play), play);
+            hangs_[(size_t)k * COORDINATES + i] = hang_[i];
+        }
+        before = now;
+    }
+}
+
+double SyntheticArm::hangAt(int coordinate, double record) const
+{
+    const double last = (double)(hangs_.size() / COORDINATES) - 1, at = std::min(std::max(record, 0.), last);
+    const size_t k = (size_t)std::min(at, last - 1);
+    const double weight = at - (double)k;
+    return (1 - weight) * hangs_[k * COORDINATES + coordinate] + weight * hangs_[(k + 1) * COORDINATES + coordinate];
+}
+
 //! Motions that would go beyond the joint's limits become as large as those allow.
 void SyntheticArm::keepInside(Motion& m, double low, double high)
 {
@@ -159,8 +192,10 @@ std::vector<double> SyntheticArm::recordedJoints(double time) const
         for (int i = 0; i < count_; i++)
             joints[coordinates[i]] += (j ? weight : 1 - weight) * params_.jointNoise * rng.gaussian(WHITE[i]);
     }
+    const std::vector<double> truth = trueJoints(time);
     for (int i = 0; i < count_; i++)
-        joints[coordinates[i]] += bias_[i] + drift_[i] * std::sin(2 * CV_PI * time / 30 + driftPhase_[i]);
+        joints[coordinates[i]] += bias_[i] - hangAt(i, record) + gain_[i] * (truth[coordinates[i]] - motion_[i].centre);
+    joints[coordinates[5]] += coupling_ * (truth[coordinates[4]] - motion_[4].centre);
     return joints;
 }
 

@@ -45,6 +45,8 @@ public:
 private:
     void place(const Vec3d& shaft);
     void makeMotion();
+    void makePlay();
+    double hangAt(int coordinate, double record) const;
     static void keepInside(Motion& m, double low, double high);
     double insertionFor(double reach, const Vec3d& shaft) const;
 
@@ -53,7 +55,8 @@ private:
     int tool_, count_;    // count_: of coordinates there are
     Mat_<double> limits_;
     Motion motion_[COORDINATES];
-    double bias_[COORDINATES], drift_[COORDINATES], driftPhase_[COORDINATES];
+    double bias_[COORDINATES], gain_[COORDINATES], hang_[COORDINATES], coupling_;
+    std::vector<double> hangs_;    // a coordinate of each record
 };
 
 }} // namespace cv::surgtrack
