@@ -186,6 +186,7 @@ int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d&
         if (points[i].found && !(points[i].deviation > 0)) CV_Error(Error::StsBadArg, "points: an edge needs a positive deviation");
         CV_Check(points[i].link, points[i].link >= 0 && points[i].link < int(axes_.size()), "points: of another tool, no such link");
     }
+    const SeenMatrix known = stateSeen();
     int passed = 0;
     for (size_t i = 0; i < points.size(); i++)
     {
@@ -196,7 +197,8 @@ int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d&
         if (!row(camera, eye_T_camera, c.link, c.linkPoint, h, H)) continue;
         const SeenVector g = (c.normal.x * H.row(0) + c.normal.y * H.row(1)).transpose();
         const double r = c.normal.dot(c.imagePoint + c.normal * c.offset - h);   // of the state; robust about it
-        const double sigma2 = std::pow(params_.contourNoise * c.deviation, 2), scale = tolerance * tolerance, left = r - edgeBias(c.clipped);
+        const double sigma2 = std::pow(params_.contourNoise * c.deviation, 2), left = r - edgeBias(c.clipped);
+        const double scale = tolerance * tolerance + g.dot(known * g);   // what is not known of the state moves edges, too
         if (!(left * left <= 9 * (sigma2 + scale))) continue;
         const double w = 1 / (std::pow(1 + left * left / (4 * sigma2 + scale), 2) * sigma2 * params_.contourCorrelation);
         const double z = r + g.dot(seenMoved_);

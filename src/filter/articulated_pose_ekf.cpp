@@ -270,7 +270,12 @@ void ArticulatedPoseEKFImpl::predict(const std::vector<double>& joints, double g
         state_.P(i, i) += more * params_.processRotation * params_.processRotation;
         state_.P(3 + i, 3 + i) += more * params_.processTranslation * params_.processTranslation;
     }
-    for (int i = 6; i < n_; i++) state_.P(i, i) += more * std::pow(params_.processJoint * prior(i) * (changes(i) ? 1 : steadiness), 2);
+    for (int i = 6; i < n_; i++)
+    {
+        // The delay is as steady, but for the first frames: it is the one constant that moves the whole tool.
+        const bool steady = i >= 6 + errors_->size() ? growth <= 1 : !changes(i);
+        state_.P(i, i) += more * std::pow(params_.processJoint * prior(i) * (steady ? steadiness : 1), 2);
+    }
     predictedNow();
 }
 

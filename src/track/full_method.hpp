@@ -95,6 +95,8 @@ private:
     int correctPoints(Scene& scene, size_t eyes);
     void correctByOutline(Scene& scene);
     void correctAnew(Scene& scene);
+    enum { NEARER, FARTHER, CAMERA };
+    bool displace(const Scene& scene, const ArticulatedPoseEKF::State& predicted, int where);
     bool isBetter(const Pose& other) const;
     double distance(const Pose& pose) const;
     bool isDisputed(const Scene& scene);

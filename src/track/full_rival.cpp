@@ -11,11 +11,17 @@ namespace cv { namespace surgtrack {
 namespace {
 
 const double depthStep = 0.003;        // [m]; half of what the two basins of depth were apart where they were seen
-const double cameraTurn = CV_PI / 180; // another tool's correction tells the camera's motion so well [rad]
+const double cameraTurn = CV_PI / 360, cameraShift = 0.001;   // another tool's correction tells the camera's motion so well [rad], [m]
 const double disputed = 0.002;         // estimates of the camera's motion by two tools differ by as much, from one posture to another [m]
-const int disputedFrames = 5;
+const int disputedFrames = 2;
 const double apart = 0.001;            // poses that are nearer to each other are the same [m]
 const int rivalFrames = 25;            // that two poses are followed at most: a second
+
+void forgetPose(Matx<double, ArticulatedPoseEKF::MAX_STATES, ArticulatedPoseEKF::MAX_STATES>& covariance)
+{
+    for (int r = 0; r < 6; r++)
+        for (int c = 0; c < ArticulatedPoseEKF::MAX_STATES; c++) covariance(r, c) = covariance(c, r) = 0;
+}
 
 } // namespace
 
@@ -35,6 +41,29 @@ bool FullMethod::isDisputed(const Scene& scene)
     return ++disputed_ % disputedFrames == 0;
 }
 
+/* The predicted pose elsewhere: nearer, farther, or where a tool that is surer saw the camera go. While it is pushed that is the step since the
+   frame before, which is exact; later all its motion, about which each tool's estimate wanders.
+   Returns whether there is such a pose. */
+bool FullMethod::displace(const Scene& scene, const ArticulatedPoseEKF::State& predicted, int where)
+{
+    const bool steps = pushed_ && scene.cameraStep != Matx44d::eye();
+    if (where == CAMERA && !steps && (!isSettled_ || scene.cameraMotion == Matx44d::eye())) return false;
+    ArticulatedPoseEKF::State moved = predicted;
+    Matx44d& correction = moved.predicted.correction;
+    const Point3d at = transform(correction, nominalPoints_[0]);
+    if (where != CAMERA) correction = rigidTransform(Matx33d::eye(), at * ((where == NEARER ? -1 : 1) * depthStep / norm(at))) * correction;
+    else if (steps) correction = scene.cameraStep * correction;
+    else
+    {
+        correction = scene.cameraMotion * settled_;
+        forgetPose(moved.predicted.covariance);
+    }
+    filter_->setState(moved);
+    const bool known = where == CAMERA;
+    filter_->inflate(known && !steps ? cameraTurn : 0, known ? (steps ? 0 : cameraShift) : depthStep);
+    return true;
+}
+
 /* Much less is explained than in the frames before: edges of something else may have pulled the pose away, most easily in depth. Once
    more with edges that are near to where the points have it, by the outline alone, and from nearer and farther. What explains clearly
    more is kept; but one frame may favour the wrong one of two depths, so a pose elsewhere that does not explain ten times as much is
@@ -48,20 +77,14 @@ void FullMethod::correctAnew(Scene& scene)
     if (!evidence_.points) filter_->undo();
     refine(scene, nearPass);
     if (isBetter(far_)) keepPose(far_);
-    const Point3d at = transform(predicted.corrected.correction, nominalPoints_[0]);
-    for (int i = 0; i < 3 && params_.adaptation; i++)
+    for (int i = NEARER; i <= CAMERA && params_.adaptation; i++)
     {
-        const bool camera = i == 2;   // has moved, as another tool saw it
-        if (camera && (!isSettled_ || scene.cameraMotion == Matx44d::eye())) continue;
-        ArticulatedPoseEKF::State moved = predicted;
-        const Matx44d shift = rigidTransform(Matx33d::eye(), at * ((i == 0 ? -1 : 1) * depthStep / norm(at)));
-        moved.predicted.correction = moved.corrected.correction = camera ? scene.cameraMotion * settled_ : shift * predicted.predicted.correction;
-        filter_->setState(moved);
-        filter_->inflate(camera ? cameraTurn : 0, depthStep);
+        if (!displace(scene, predicted, i)) continue;
         correct(scene);
-        const double lead = evidence_.logOdds() - far_.evidence.logOdds();
-        if (lead < (camera ? -thresholds_.confirmed : thresholds_.pushedGain)) continue;   // there is more that speaks for the camera's motion
-        if (lead > thresholds_.confirmed || (lead > thresholds_.pushedGain && distance(far_) < apart)) keepPose(far_);
+        const double more = i == CAMERA ? thresholds_.confirmed : 0;   // another tool speaks for it
+        const double lead = evidence_.logOdds() - far_.evidence.logOdds() + more;
+        if (lead < thresholds_.pushedGain) continue;
+        if (lead > thresholds_.confirmed || distance(far_) < apart) keepPose(far_);
         else if (distance(far_) >= apart && (rival_.frames == 0 || lead > rival_.lead))
         {
             keepPose(rival_.pose);

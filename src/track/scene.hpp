@@ -28,13 +28,14 @@ struct Sight
 //! What a tool's method needs of the frame, beside what it knows of its own tool.
 struct Scene
 {
-    Scene() : open(0), time(-DBL_MAX), cameraMotion(Matx44d::eye()) {}
+    Scene() : open(0), time(-DBL_MAX), cameraMotion(Matx44d::eye()), cameraStep(Matx44d::eye()) {}
 
     std::vector<Ptr<PartFinder> > eyes;   // the left one first
     size_t open;                          // of them have an image of this frame
     std::vector<ToolView> views;          // of all tools, in the left camera's frame; one that may be anywhere has no link poses
     double time;                          // of the frame [s]
     Matx44d cameraMotion;                 // since its calibration, as another tool saw it; unit if it saw none
+    Matx44d cameraStep;                   // since the frame before, as the surest tool saw it in this one; unit if it was not tracked
     Ptr<GeometricContextVerifier> verifier, startVerifier;   // the first pose needs more points to agree
     StageTimes times;
 

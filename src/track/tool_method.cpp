@@ -115,6 +115,12 @@ Matx44d ToolMethod::cameraMotion() const
     return turnOf(motion) > leastMotionAngle || norm(transform(motion, at) - at) > leastMotionShift ? motion : Matx44d::eye();
 }
 
+Matx44d ToolMethod::cameraStep() const
+{
+    if (state_ != STATE_TRACKING || before_.state_ != STATE_TRACKING) return Matx44d::eye();
+    return correction_ * rigidInverse(before_.correction_);
+}
+
 double ToolMethod::maxReprojectionError() const
 {
     return largestReprojectionError * pixelScale_;

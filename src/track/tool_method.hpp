@@ -61,6 +61,8 @@ public:
 
     //! How the camera has moved since the tool was first tracked, if by more than an estimate wanders; else unit.
     Matx44d cameraMotion() const;
+    //! The same since the frame before, in every frame in which the tool was tracked.
+    Matx44d cameraStep() const;
 
     //! Of the joints, for METHOD_FULL.
     virtual ReadingErrors readingErrors() const { return ReadingErrors(); }
@@ -81,6 +83,8 @@ public:
     const Matx44d& correction() const { return correction_; }
     const Matx44d& calibration() const { return calibration_; }
     int state() const { return state_; }
+    //! By the evidence of the frame before.
+    double sureness() const { return state_ == STATE_TRACKING ? evidence_.logOdds() : -DBL_MAX; }
     bool isLocated() const { return !starts() && state_ != STATE_LOST; }
     //! Where a tool is not known yet, nothing can be drawn ahead.
     bool usesDrawnAhead() const { return !settles() && state_ != STATE_LOST; }

@@ -50,10 +50,22 @@ void ToolTrackerImpl::show(int tool)
 }
 
 // Calibration errors are each arm's own, but a camera that has moved has moved for all: by what another tool saw of it.
+// The surest one comes first: it tells the others how the camera has moved since the frame before.
+void ToolTrackerImpl::sortTools()
+{
+    order_.resize(tools_.size());
+    for (int i = 0; i < int(tools_.size()); i++)
+    {
+        int at = i;
+        for (; at > 0 && tools_[i]->sureness() > tools_[order_[at - 1]]->sureness(); at--) order_[at] = order_[at - 1];
+        order_[at] = i;
+    }
+}
+
 Matx44d ToolTrackerImpl::motionOfAnother(int tool) const
 {
-    for (int i = 0; i < int(tools_.size()); i++)
-        if (i != tool && tools_[i]->state() == STATE_TRACKING) return tools_[i]->cameraMotion();
+    for (size_t k = 0; k < order_.size(); k++)
+        if (order_[k] != tool && tools_[order_[k]]->state() == STATE_TRACKING) return tools_[order_[k]]->cameraMotion();
     return Matx44d::eye();
 }
 
@@ -95,11 +107,14 @@ void ToolTrackerImpl::updateEyes(const Mat* images, size_t count, double time, c
             scene_.eyes[looked - 1]->setImage(images[looked - 1]);
         }
         for (int i = 0; i < int(tools_.size()); i++) show(i);
-        for (int i = 0; i < int(tools_.size()); i++)
+        sortTools();
+        for (size_t k = 0; k < tools_.size(); k++)
         {
+            const int i = order_[k];
             ToolMethod& tool = *tools_[i];
             const int state = tool.state();
             scene_.cameraMotion = motionOfAnother(i);
+            scene_.cameraStep = k > 0 ? tools_[order_[0]]->cameraStep() : Matx44d::eye();
             tool.measure(scene_, ahead && tool.usesDrawnAhead() ? &ahead->drawings[i] : 0);
             show(i);
             if (tool.state() != state)

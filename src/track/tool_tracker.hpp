@@ -52,6 +52,7 @@ private:
     void change(std::vector<Ptr<ToolMethod> > tools, std::vector<Camera> cameras);
     void updateEyes(const Mat* images, size_t count, double time, const std::vector<std::vector<double> >& joints, std::vector<ToolEstimate>& estimates);
     void show(int tool);
+    void sortTools();
     Matx44d motionOfAnother(int tool) const;
     double shiftSince(const std::vector<ToolView>* drawn) const;
     const TemplateSet* drawnAhead();
@@ -63,6 +64,7 @@ private:
     std::vector<Camera> cameras_;      // the left one first
     Rect2d field_;                     // of view, of the left eye
     std::vector<Ptr<ToolMethod> > tools_;
+    std::vector<int> order_;           // in which they are measured
     Scene scene_;
     Ptr<RenderAhead> ahead_;           // made by the first renderAhead()
     std::vector<ToolView> aheadViews_;
