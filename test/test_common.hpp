@@ -6,6 +6,7 @@
 #define OPENCV_SURGTRACK_TEST_COMMON_HPP
 
 #include "test_precomp.hpp"
+#include "opencv2/core/utils/filesystem.hpp"
 #if CV_VERSION_MAJOR >= 5   // distances and rectangles too are there
 #include "opencv2/geometry.hpp"
 #else
@@ -195,6 +196,18 @@ inline bool sameMatches(const std::vector<PartMatch>& a, const std::vector<PartM
             return false;
     return true;
 }
+
+/* A folder that is removed again. */
+class TempFolder
+{
+public:
+    TempFolder() : path_(cv::tempfile()) { CV_Assert(cv::utils::fs::createDirectories(path_)); }
+    ~TempFolder() { cv::utils::fs::remove_all(path_); }
+    String operator/(const String& name) const { return cv::utils::fs::join(path_, name); }
+
+private:
+    String path_;
+};
 
 }} // namespace
 

@@ -2,7 +2,7 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
-#include "test_precomp.hpp"
+#include "test_common.hpp"
 
 #include <cstdio>
 #include <fstream>
@@ -14,18 +14,6 @@
 namespace opencv_test { namespace {
 
 using namespace cv::surgtrack;
-
-/* A folder that is removed again. */
-class TempFolder
-{
-public:
-    TempFolder() : path_(cv::tempfile()) { CV_Assert(cv::utils::fs::createDirectories(path_)); }
-    ~TempFolder() { cv::utils::fs::remove_all(path_); }
-    String operator/(const String& name) const { return cv::utils::fs::join(path_, name); }
-
-private:
-    String path_;
-};
 
 // A two-link tool; the children come first, as a file may have it.
 const char* const TOOL =

@@ -63,10 +63,9 @@ void checkParams(const ArticulatedPoseEKF::Params& p)
 } // namespace
 
 ArticulatedPoseEKFImpl::ArticulatedPoseEKFImpl(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params)
-    : model_(model), nominal_T_base_(nominal_T_base), params_(params), exact_(params.exact), history_(model ? model->coordinateNames().size() : 0),
+    : model_(model), nominal_T_base_(nominal_T_base), params_(params), exact_(params.exact), history_(*model),
       earlier_(history_)
 {
-    CV_Assert(model);
     CV_Assert(isRigid(nominal_T_base) && "nominal_T_base: rigid");
     checkParams(params);
     const size_t coordinates = model->coordinateNames().size();
@@ -343,6 +342,7 @@ Mat ArticulatedPoseEKFImpl::covariance() const
 
 Ptr<ArticulatedPoseEKF> ArticulatedPoseEKF::create(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params)
 {
+    CV_Assert(model);
     return makePtr<ArticulatedPoseEKFImpl>(model, nominal_T_base, params);
 }
 

@@ -7,10 +7,20 @@
 
 namespace cv { namespace surgtrack {
 
+// Twice what the wrists of the paper's recording do, and four times what its arms do.
+static const double fastestTurn = 18, fastestSlide = 0.25;   // [rad/s], [m/s]
+
+ReadingHistory::ReadingHistory(const ToolModel& model)
+    : n_(model.coordinateNames().size()), last_(0), count_(0), values_(frames * n_), ages_(frames), fastest_(n_, fastestTurn)
+{
+    for (size_t l = 0; l < model.links().size(); l++)
+        if (model.links()[l].jointType == ToolModel::JOINT_PRISMATIC) fastest_[model.links()[l].coordinate] = fastestSlide;
+}
+
 void ReadingHistory::add(const double* readings, double seconds)
 {
     bool jumps = seconds > longestGap;
-    for (size_t i = 0; i < n_ && !jumps && count_ > 0 && seconds > 0; i++) jumps = std::abs(readings[i] - of(0)[i]) > fastest * seconds;
+    for (size_t i = 0; i < n_ && !jumps && count_ > 0 && seconds > 0; i++) jumps = std::abs(readings[i] - of(0)[i]) > fastest_[i] * seconds;
     if (jumps) count_ = 0;
     if (seconds > shortestGap || count_ == 0)
     {

@@ -5,8 +5,7 @@
 #ifndef OPENCV_SURGTRACK_SRC_FILTER_READING_HISTORY_HPP
 #define OPENCV_SURGTRACK_SRC_FILTER_READING_HISTORY_HPP
 
-#include <vector>
-#include <cstddef>
+#include "opencv2/surgtrack/tool_model.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -14,7 +13,7 @@ namespace cv { namespace surgtrack {
 class ReadingHistory
 {
 public:
-    explicit ReadingHistory(size_t coordinates) : n_(coordinates), last_(0), count_(0), values_(frames * coordinates), ages_(frames) {}
+    explicit ReadingHistory(const ToolModel& model);
 
     //! @param seconds since the last; 0, or next to it: instead of it
     void add(const double* readings, double seconds);
@@ -27,13 +26,13 @@ private:
     static constexpr double shortestGap = 1e-4;   // [s]; of less no rate can be told
     static constexpr double longestGap = 0.5;   // [s]; beyond, nothing is known of what was between
 
-    static constexpr double fastest = 15;     // [rad/s or m/s]; twice what instruments' wrists do: more is another recording, or a glitch
 
     const double* of(int back) const { return &values_[((last_ + frames - back) % frames) * n_]; }
 
     size_t n_;
     int last_, count_;
     std::vector<double> values_, ages_;   // ages_: seconds to the one before
+    std::vector<double> fastest_;         // of a coordinate: more is another recording, or a glitch [rad/s or m/s]
 };
 
 }} // namespace cv::surgtrack

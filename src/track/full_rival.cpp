@@ -131,13 +131,15 @@ void FullMethod::spanRival(Matx66d& covariance) const
 void FullMethod::judgeRival()
 {
     rival_.lead += rival_.pose.evidence.logOdds() - evidence_.logOdds();
-    if (rival_.lead >= thresholds_.sure)
+    if (rival_.lead >= -thresholds_.seriousLead)   // now it is the other that is the rival
     {
+        keepPose(without_);
         setPose(rival_.pose);
+        std::swap(rival_.pose, without_);
+        rival_.lead = -rival_.lead;
         usual_ = evidence_.logOdds();
-        rival_.frames = 0;
     }
-    else if (distance(rival_.pose) < apart || rival_.lead <= -thresholds_.confirmed || ++rival_.frames > rivalFrames) rival_.frames = 0;
+    if (distance(rival_.pose) < apart || rival_.lead <= -thresholds_.confirmed || ++rival_.frames > rivalFrames) rival_.frames = 0;
 }
 
 }} // namespace cv::surgtrack

@@ -30,6 +30,7 @@ bool FullMethod::start(Scene& scene)
     const Point3d centre = transform(from, nominalPoints_[0]);
     filter_->reset(rigidTransform(R, centre - R * centre) * from);
     filter_->predict(joints_);
+    placeKeypoints(filter_->view());
     if (beginAnew(scene, 0, hypotheses - 1)) return true;
     filter_->reset(calibration_);   // until there is a pose, it is that of the tool's own kinematics
     filter_->predict(joints_);
@@ -50,11 +51,16 @@ bool FullMethod::search(Scene& scene)
     {
         filter_->reset(n % 4 == 1 ? calibration_ : scene.cameraMotion * calibration_);
         filter_->predict(joints_);
+        placeKeypoints(filter_->view());   // nothing is known of a delay there
     }
     bool found = beginAnew(scene, hypothesis, hypothesis);
     // Where it was predicted it may be hidden for a moment: a pose elsewhere must explain ten times as much.
     if (found && norm(transform(filter_->correction(), p) - predicted) > elsewhere && evidence_.logOdds() < ownOdds_ + thresholds_.confirmed) found = false;
-    if (!found) filter_->setState(before);
+    if (!found)
+    {
+        filter_->setState(before);
+        placeKeypoints(filter_->view());
+    }
     else if (!searched_) confirmed_ = 0;
     searched_ = found;
     return found;

@@ -91,7 +91,11 @@ void ToolMethod::place(const std::vector<double>& joints, double seconds)
     const bool possible = bound(joints, bounded_);
     if (possible || joints_.empty()) joints_ = bounded_;
     skipped_ += !possible;
-    const ToolView& view = predict(joints_, seconds);
+    placeKeypoints(predict(joints_, seconds));
+}
+
+void ToolMethod::placeKeypoints(const ToolView& view)
+{
     const std::vector<ToolModel::Keypoint>& keypoints = model_->keypoints();
     nominalPoints_.resize(keypoints.size());
     for (size_t k = 0; k < keypoints.size(); k++)

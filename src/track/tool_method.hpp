@@ -95,6 +95,9 @@ protected:
     //! The tool where joints and state have it, for place().
     virtual const ToolView& predict(const std::vector<double>& joints, double seconds) = 0;
 
+    //! Where the calibration has them, with the joints of this view.
+    void placeKeypoints(const ToolView& view);
+
     //! Readings that joints can have: the nearest ones. @return whether these are such
     bool bound(const std::vector<double>& readings, std::vector<double>& bounded) const;
 
