@@ -12,7 +12,6 @@ namespace {
 
 const int fitted = 3, fitRounds = 4;    // so many of the nine hypotheses are fitted, in so many rounds
 const int looseFrames = 15;             // after a first pose, which may be the wrong one of two that look alike in one frame
-const double startTurn = 10 * CV_PI / 180;   // two and a half times what a calibration is taken to be off by in each direction [rad]
 const double elsewhere = 0.003;   // of a tool that moves by itself between two frames [m]
 const double searchRotation = 4 * CV_PI / 180, searchTranslation = 0.008;   // how far a lost tool may be from where it was, as the calibration may [rad, m]
 
@@ -22,13 +21,10 @@ const double searchRotation = 4 * CV_PI / 180, searchTranslation = 0.008;   // h
    scale and turn the image; further attempts, of later frames, turn the tool out of it. */
 bool FullMethod::start(Scene& scene)
 {
-    static const Vec3d turns[] = {Vec3d(0, 0, 0), Vec3d(startTurn, 0, 0), Vec3d(0, startTurn, 0), Vec3d(-startTurn, 0, 0), Vec3d(0, -startTurn, 0)};
     const bool moved = scene.cameraMotion != Matx44d::eye();
     const int attempt = searches_++;
     const Matx44d from = moved && attempt % 2 ? scene.cameraMotion * calibration_ : calibration_;
-    const Matx33d R = exponential(turns[(moved ? attempt / 2 : attempt) % 5]);
-    const Point3d centre = transform(from, nominalPoints_[0]);
-    filter_->reset(rigidTransform(R, centre - R * centre) * from);
+    filter_->reset(startTurn(moved ? attempt / 2 : attempt, transform(from, nominalPoints_[0])) * from);
     filter_->predict(joints_);
     placeKeypoints(filter_->view());
     if (beginAnew(scene, 0, hypotheses - 1)) return true;

@@ -27,7 +27,7 @@ void PaperMethod::reset()
     ToolMethod::reset();
     filter_->reset(Matx44d::eye());
     trusted_ = Matx44d::eye();
-    hypothesis_ = 0;
+    hypothesis_ = attempts_ = 0;
 }
 
 void PaperMethod::takeBack()
@@ -67,6 +67,7 @@ void PaperMethod::measure(Scene& scene, const PartDrawing* ahead)
 {
     const bool stale = !starts() && isStale(scene);
     if (starts()) shownJoints_ = joints_;
+    if (!starts()) attempts_ = 0;
     bool seen = starts() ? start(scene, 0, hypotheses - 1) : !stale && follow(scene, ahead);
     if (!seen && !stale && state_ == STATE_LOST)   // in a wider window, by one hypothesis a frame
     {
@@ -141,7 +142,10 @@ bool PaperMethod::correctFromHandEye()
 bool PaperMethod::start(Scene& scene, int first, int last)
 {
     std::vector<StartCandidate> best(5);   // the paper has the first alone
-    visibleParts_ = findStarts(scene, first, last, view_, transform(correction_, nominalPoints_[0]).z, best);
+    const Point3d at = transform(correction_, nominalPoints_[0]);
+    ToolView view = view_;
+    view.camera_T_base = startTurn(attempts_++, at) * view.camera_T_base;
+    visibleParts_ = findStarts(scene, first, last, view, at.z, best);
     for (size_t k = 0; k < best.size() && best[k].score > 0; k++)
         if (startFrom(scene, best[k])) return true;
     return false;

@@ -16,6 +16,7 @@ struct PaperMemory
     ToolView view_;
     Matx44d trusted_;                      // the last correction that was tracked; what an unconfirmed one goes back to
     int hypothesis_;                       // of the search for a lost tool
+    int attempts_;                         // at a first pose
 };
 
 //! METHOD_PAPER and METHOD_EPNP: parts of the left eye, into the paper's filter or into EPnP.

@@ -44,6 +44,8 @@ std::vector<Vec2d> rangesOf(const ToolModel& model)
     return ranges;
 }
 
+const double turnOfStarts = 10 * CV_PI / 180;   // two and a half times what a calibration is taken to be off by in each direction [rad]
+
 } // namespace
 
 ToolMethod::ToolMethod(int index, const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const ToolTracker::Params& params, double pixelScale)
@@ -171,6 +173,13 @@ bool ToolMethod::isStale(const Scene& scene)
     model_->forwardKinematics(foreseen_, shown_.base_T_link);
     shown_.camera_T_base = view().camera_T_base;
     return !(viewChange(eye.camera(), *model_, view(), shown_).shift < staleShift * pixelScale_);
+}
+
+Matx44d ToolMethod::startTurn(int attempt, const Point3d& at)
+{
+    static const Vec3d axes[] = {Vec3d(0, 0, 0), Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(-1, 0, 0), Vec3d(0, -1, 0)};
+    const Matx33d R = exponential(turnOfStarts * axes[attempt % 5]);
+    return rigidTransform(R, at - R * at);
 }
 
 int ToolMethod::findStarts(Scene& scene, int first, int last, const ToolView& view, double distance, std::vector<StartCandidate>& best)

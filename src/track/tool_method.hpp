@@ -124,6 +124,8 @@ protected:
         std::vector<PartMatch> inliers;
     };
     static const int hypotheses = 9;   // of scale and rotation (paper, Sec. 2.1)
+    //! The nine scale and turn the image; attempts of later frames turn the tool out of it, in turn to its four sides. @param at of the tool
+    static Matx44d startTurn(int attempt, const Point3d& at);
     /** Parts in wide windows, by drawings in several scales and rotations about a view.
     @param first, last which of the nine
     @param distance of the tool [m]
