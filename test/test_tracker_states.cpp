@@ -148,4 +148,28 @@ TEST(SurgTrack_Tracker, theFirstFrameIsATrackIfTheEvidenceIsStrong)
     EXPECT_LT(distance(e.camera_T_tool, common().scene->truePose(0, 0)), 0.00023);   // measured: 0.12 mm
 }
 
+// A recording of single pictures: between two of them the arms jump, and what was learnt of delays tells nothing of where they are.
+TEST(SurgTrack_Tracker, picturesInSuccessionAreFoundWithinThreeShowings)
+{
+    SyntheticScene::Params p = scene(3, 2);
+    p.frames = 100;
+    const Ptr<SyntheticScene> still = SyntheticScene::create(needleDriver(), p);
+    const Ptr<ToolTracker> tracker = ToolTracker::create(still->camera());
+    for (int i = 0; i < 2; i++) tracker->addTool(still->model(), still->nominal_T_base(i));
+    double clock = 0;
+    for (int frame : {0, 60, 20, 90, 40})
+    {
+        Mat image;
+        still->render(frame, image);
+        Estimates e;
+        for (int showing = 0; showing < 3; showing++)
+            tracker->update(image, clock += 0.04, {still->recordedJoints(0, frame / p.fps), still->recordedJoints(1, frame / p.fps)}, e);
+        for (int i = 0; i < 2; i++)
+        {
+            EXPECT_EQ(STATE_TRACKING, e[i].state) << "frame " << frame << ", tool " << i;
+            EXPECT_LT(distance(e[i].camera_T_tool, still->truePose(i, frame / p.fps)), 0.005) << "frame " << frame << ", tool " << i;
+        }
+    }
+}
+
 }} // namespace

@@ -32,7 +32,7 @@ public:
         CV_PROP_RW double initialTranslation;   //!< the same, at the tool [m]
         CV_PROP_RW double processRotation;      //!< process noise, standard deviation in a frame of 40 ms; its variance grows with time [rad]
         CV_PROP_RW double processTranslation;   //!< the same [m]
-        CV_PROP_RW double processJoint;         //!< the same, of what is wrong with the joints' readings, as a share of its prior deviation; offsets, a fifth of it the others
+        CV_PROP_RW double processJoint;         //!< the same, of what is wrong with the joints' readings, as a share of its prior deviation; of offsets, which take up what the others do not explain: theirs is a fifth
         CV_PROP_RW double gain;                 //!< prior standard deviation of a turning joint's gain, of its travel; 0 = none, as of the next two; defaults: what a real PSM had
         CV_PROP_RW double play;                 //!< the same, of half its play [rad]
         CV_PROP_RW double coupling;             //!< the same, of a share of the travel of the coordinate before it
