@@ -26,7 +26,8 @@ static const char* const KEYS =
     "{ distortion       |     | a lens with distortion }"
     "{ hand-eye-degrees | 3   | error of the recorded hand-eye calibration [degree] }"
     "{ hand-eye-mm      | 6   | the same [mm], at the tool }"
-    "{ joint-noise      | 1   | scale of the errors of the recorded joints: offsets, play, gains and coupling as a real arm has them; 0 = exact }"
+    "{ joint-noise      | 1   | scale of offsets and noise of the recorded joints; 0 = none }"
+    "{ cables           | 1   | scale of their play, gains and coupling; 1 = as measured on a real arm, 0 = none }"
     "{ image-noise      | 3   | standard deviation of the image noise [grey levels] }"
     "{ quiet            |     | do not say what was written }";
 
@@ -46,6 +47,7 @@ static int make(const CommandLineParser& parser)
     params.handEyeRotation = common::number(parser, "hand-eye-degrees", 0, 45) * CV_PI / 180;
     params.handEyeTranslation = common::number(parser, "hand-eye-mm", 0, 100) * 1e-3;
     params.jointNoise = common::number(parser, "joint-noise", 0, 100);
+    params.cables = common::number(parser, "cables", 0, 100);
     params.imageNoise = common::number(parser, "image-noise", 0, 100);
 
     const Ptr<ToolModel> model = common::anyTool(tool.empty() ? String("needle_driver") : tool);
@@ -60,7 +62,7 @@ int main(int argc, char** argv)
 {
     const common::Program program = { "make_sequence", "Makes a synthetic sequence of surgical tools over tissue, with exact truth.",
                                       KEYS, { "out", "tool", "tools", "frames", "seed", "width", "height", "fps",
-                                        "hand-eye-degrees", "hand-eye-mm", "joint-noise", "image-noise" },
+                                        "hand-eye-degrees", "hand-eye-mm", "joint-noise", "cables", "image-noise" },
                                       { "stereo", "distortion", "quiet" } };
     return common::runProgram(argc, argv, program, make);
 }

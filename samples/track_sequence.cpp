@@ -51,6 +51,7 @@ void prepare(const Options& options, String folder, Run& run)
             std::fprintf(stderr, "making a synthetic sequence in %s\n", folder.c_str());
         SyntheticScene::Params scene;
         scene.stereo = options.stereo;
+        scene.cables = 1;
         SyntheticScene::create(Ptr<ToolModel>(), scene)->write(folder);
     }
     run.sequence = Sequence::load(folder);

@@ -108,6 +108,7 @@ class Run:
                 sys.stderr.write('making a synthetic sequence in %s\n' % folder)
             scene = st.SyntheticScene.Params()
             scene.stereo = args.stereo
+            scene.cables = 1.
             st.SyntheticScene.create(None, scene).write(folder)
         self.sequence = st.Sequence.load(folder)
         if args.stereo and not self.sequence.isStereo():

@@ -179,7 +179,7 @@ TEST(SurgTrack_JointErrors, ofAnotherToolAreRefused)
     bad.values[0] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
     bad = good;
-    bad.covariance = -good.covariance * 100;
+    bad.covariance = Mat(-good.covariance);   // bad and good share theirs
     EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
     bad = good;
     bad.covariance = good.covariance(Range(0, 2), Range(0, 2)).clone();

@@ -30,7 +30,8 @@ public:
         CV_PROP_RW double fps;
         CV_PROP_RW double handEyeRotation;     //!< error of the recorded hand-eye calibration [rad]
         CV_PROP_RW double handEyeTranslation;  //!< the same [m], at the tool
-        CV_PROP_RW double jointNoise;          //!< scale of the joint errors: 1 = as a real arm has them: offsets of 0.006 rad and 0.6 mm at the arm, 0.03 rad at the wrist, where there are play of 0.02 rad, gains of 2 % and a coupling of pitch into yaw as well; 0 = exact
+        CV_PROP_RW double jointNoise;          //!< scale of offsets and noise of the joints: 1 = 0.006 rad and 0.6 mm at the arm, 0.02 rad at the wrist, 0.03 rad at the jaw; 0 = none
+        CV_PROP_RW double cables;              //!< scale of what the cables of wrist and jaws add: 1 = as measured on a real arm, play of 0.02 rad, gains of 2 %, a coupling of pitch into yaw of 0.09; 0 (default) = nothing
         CV_PROP_RW double imageNoise;          //!< standard deviation of the sensor noise [grey levels]
         CV_PROP_RW bool distortion;            //!< lens distortion (k1 = -0.2) or a pinhole
         CV_PROP_RW bool stereo;                //!< a right image, 5.2 mm beside the left one

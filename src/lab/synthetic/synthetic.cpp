@@ -161,7 +161,7 @@ void SyntheticSceneImpl::renderArms(int frame, const std::vector<std::vector<dou
 
 SyntheticScene::Params::Params()
     : tools(1), frames(100), seed(1), imageSize(720, 576), fps(25), handEyeRotation(3 * CV_PI / 180), handEyeTranslation(0.006),
-      jointNoise(1), imageNoise(3), distortion(false), stereo(false)
+      jointNoise(1), cables(0), imageNoise(3), distortion(false), stereo(false)
 {
 }
 
@@ -171,8 +171,8 @@ Ptr<SyntheticScene> SyntheticScene::create(const Ptr<ToolModel>& model, const Sy
     CV_CheckGT(params.frames, 0, "Params::frames");
     CV_CheckGE(params.imageSize.width, 64, "Params::imageSize");
     CV_CheckGE(params.imageSize.height, 64, "Params::imageSize");
-    const double values[] = { params.fps, params.handEyeRotation, params.handEyeTranslation, params.jointNoise, params.imageNoise };
-    const char* const names[] = { "fps", "handEyeRotation", "handEyeTranslation", "jointNoise", "imageNoise" };
+    const double values[] = { params.fps, params.handEyeRotation, params.handEyeTranslation, params.jointNoise, params.cables, params.imageNoise };
+    const char* const names[] = { "fps", "handEyeRotation", "handEyeTranslation", "jointNoise", "cables", "imageNoise" };
     for (int i = 0; i < 5; i++)
         if (!(values[i] >= 0 && values[i] < 1e6) || (i == 0 && values[i] == 0))
             CV_Error(Error::StsOutOfRange, format("Params::%s is %g, expected a finite number %s", names[i], values[i], i == 0 ? "above 0" : "from 0"));

@@ -15,9 +15,10 @@ const int COORDINATES = SyntheticArm::COORDINATES;
 
 // Of two joints that turn, the insertion, the roll, two of the wrist, and the jaw: amplitude of the motion, and standard deviations of the errors of the readings [rad, m].
 const double AMPLITUDE[COORDINATES] = { 0.05, 0.05, 0.008, 0.9, 0.55, 0.55, 0.4 };
-/* A real PSM under an optical tracker (507 poses of a Large Needle Driver, KinematicCalibDVRK's data): of 0.070 rad of wrist error constant
+const double BIAS[COORDINATES]      = { 0.006, 0.006, 0.0006, 0.02, 0.02, 0.02, 0.03 };
+const double DRIFT[COORDINATES]     = { 0.001, 0.001, 0.0001, 0.004, 0.004, 0.004, 0.006 };
+/* Of a real PSM under an optical tracker (507 poses of a Large Needle Driver, KinematicCalibDVRK's data): of 0.070 rad of wrist error constant
    offsets explain 0.010, play of +-0.02 rad another 0.013, gains of 0.02 and a coupling of pitch into yaw another 0.014. */
-const double BIAS[COORDINATES]      = { 0.006, 0.006, 0.0006, 0.02, 0.03, 0.03, 0.03 };
 const double PLAY[COORDINATES]      = { 0, 0, 0, 0.012, 0.02, 0.02, 0.03 };    // half of it: cables of the jaws are the longest, of the roll the shortest
 const double GAIN[COORDINATES]      = { 0, 0, 0, 0.02, 0.02, 0.02, 0.02 };
 const double COUPLING = 0.09;
@@ -92,10 +93,15 @@ void SyntheticArm::place(const Vec3d& shaft)
     for (int i = 0; i < COORDINATES; i++)
     {
         bias_[i] = params_.jointNoise * reading.gaussian(BIAS[i]);
-        gain_[i] = params_.jointNoise * reading.gaussian(GAIN[i]);
-        hang_[i] = reading.uniform(-1., 1.) * params_.jointNoise * PLAY[i];
+        drift_[i] = params_.jointNoise * DRIFT[i];
+        driftPhase_[i] = reading.uniform(0., 2 * CV_PI);
     }
-    coupling_ = params_.jointNoise * (reading.uniform(0., 1.) < 0.5 ? -COUPLING : COUPLING);
+    for (int i = 0; i < COORDINATES; i++)
+    {
+        gain_[i] = params_.cables * reading.gaussian(GAIN[i]);
+        hang_[i] = params_.cables * reading.uniform(-1., 1.) * PLAY[i];
+    }
+    coupling_ = params_.cables * (reading.uniform(0., 1.) < 0.5 ? -COUPLING : COUPLING);
 }
 
 // The insertion that puts the end effector of the straight tool this far from the base.
@@ -143,7 +149,7 @@ void SyntheticArm::makePlay()
         const std::vector<double> now = trueJoints(k / RECORD_RATE);
         for (int i = 0; i < count_; i++)
         {
-            const double play = params_.jointNoise * PLAY[i], travel = now[coordinates[i]] - before[coordinates[i]];
+            const double play = params_.cables * PLAY[i], travel = now[coordinates[i]] - before[coordinates[i]];
             hang_[i] = std::min(std::max(hang_[i] - travel, -play), play);
             hangs_[(size_t)k * COORDINATES + i] = hang_[i];
         }
@@ -194,7 +200,9 @@ std::vector<double> SyntheticArm::recordedJoints(double time) const
     }
     const std::vector<double> truth = trueJoints(time);
     for (int i = 0; i < count_; i++)
-        joints[coordinates[i]] += bias_[i] - hangAt(i, record) + gain_[i] * (truth[coordinates[i]] - motion_[i].centre);
+        joints[coordinates[i]] += bias_[i] + drift_[i] * std::sin(2 * CV_PI * time / 30 + driftPhase_[i]);
+    for (int i = 0; i < count_ && params_.cables > 0; i++)
+        joints[coordinates[i]] += gain_[i] * (truth[coordinates[i]] - motion_[i].centre) - hangAt(i, record);
     joints[coordinates[5]] += coupling_ * (truth[coordinates[4]] - motion_[4].centre);
     return joints;
 }

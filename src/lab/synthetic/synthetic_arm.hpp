@@ -55,7 +55,7 @@ private:
     int tool_, count_;    // count_: of coordinates there are
     Mat_<double> limits_;
     Motion motion_[COORDINATES];
-    double bias_[COORDINATES], gain_[COORDINATES], hang_[COORDINATES], coupling_;
+    double bias_[COORDINATES], drift_[COORDINATES], driftPhase_[COORDINATES], gain_[COORDINATES], hang_[COORDINATES], coupling_;
     std::vector<double> hangs_;    // a coordinate of each record
 };
 
