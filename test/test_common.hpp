@@ -11,7 +11,9 @@
 #else
 #include "opencv2/calib3d.hpp"
 #endif
+#include "opencv2/core/utils/filesystem.hpp"
 
+#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <map>
@@ -106,6 +108,15 @@ inline Vec3d randomDirection(RNG& rng)
     do v = gaussian<3>(rng, 1);
     while (cv::norm(v) < 1e-3);
     return v * (1 / cv::norm(v));
+}
+
+// A file or folder of the recorded data; the test is skipped without.
+inline String recorded(const String& name)
+{
+    const char* const data = std::getenv("SURGTRACK_DATA");
+    if (!data || !*data || !cv::utils::fs::exists(cv::utils::fs::join(data, name)))
+        throw SkipTestException("SURGTRACK_DATA does not name a folder that has " + name);
+    return cv::utils::fs::join(data, name);
 }
 
 // An endoscope's camera with the paper's own unequal focal lengths and barrel distortion, for any image width.

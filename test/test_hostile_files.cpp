@@ -221,6 +221,16 @@ TEST(SurgTrack_HostileFiles, devicesAndPipesAreNotRead)
     std::remove(pipe.c_str());
 }
 
+// Of scripts whose user has none: data is then not looked for in /.
+TEST(SurgTrack_HostileFiles, anEmptyNameOfTheDataFolderNamesNone)
+{
+    const char* const data = std::getenv("SURGTRACK_DATA");
+    const std::string before = data ? data : "";
+    ASSERT_EQ(0, setenv("SURGTRACK_DATA", "", 1));
+    EXPECT_THROW(recorded("tmp"), SkipTestException);
+    ASSERT_EQ(0, data ? setenv("SURGTRACK_DATA", before.c_str(), 1) : unsetenv("SURGTRACK_DATA"));
+}
+
 TEST(SurgTrack_HostileFiles, namesWithLineFeedsAreNames)
 {
     const std::string folder = cv::tempfile("") + "%YAML:1.0\nname: x\n";
