@@ -329,6 +329,28 @@ TEST(SurgTrack_HostileFiles, soundStoragesAreRead)
     EXPECT_EQ(Size(640, 480), importCameraInfo({ info.name }).left.imageSize());
 }
 
+// --- errors ---
+
+// Whatever stands in a file, what is said of it is a line to be read, and does nothing to a terminal.
+TEST(SurgTrack_HostileFiles, errorsAreShortLines)
+{
+    const std::string wild = repeated("7\x1b[2J\x07", 20000);
+    std::vector<std::string> answers;
+    const auto poses = [](const std::string& name) { std::vector<double> keys; Mat found; readPoses(name, keys, found); };
+    answers.push_back(answerTo("index,tx,ty,tz,qx,qy,qz,qw\n0," + wild + ",0,0,0,0,0,1\n", ".csv", poses));
+    answers.push_back(answerTo("index,tx,ty,tz,qx,qy,qz,qw," + wild + "," + wild + "\n", ".csv", poses));
+    answers.push_back(storageAnswer("%YAML:1.0\n---\nname: x\ncoordinates: [ \"" + wild + "\", \"" + wild + "\" ]\n"));
+    answers.push_back(answerTo("camera_matrix: " + wild + "\nimage_width: " + wild + "\n", ".yaml", [](const std::string& name) { importCameraInfo({ name }); }));
+    answers.push_back(meshAnswer("ply\n" + wild + "\nend_header\n", ".ply"));
+    answers.push_back(meshAnswer("solid a\n" + wild + "\n", ".stl"));
+    for (size_t i = 0; i < answers.size(); i++)
+    {
+        EXPECT_NE("", answers[i]) << i;
+        EXPECT_GT(3000u, answers[i].size()) << i << ": " << answers[i].substr(0, 300);
+        EXPECT_EQ(std::string::npos, answers[i].find_first_of("\x1b\x07")) << i << ": " << answers[i].substr(0, 300);
+    }
+}
+
 // --- long lines, many items ---
 
 TEST(SurgTrack_HostileFiles, longLinesAreLines)

@@ -314,7 +314,7 @@ void writeSequenceJoints(const String& folder, const String& name, const std::ve
             if (name == csv.text(toolColumn))
                 continue;
             if (oldHeader != header)
-                CV_Error(Error::StsParseError, filename + ", line 1: expected the columns " + header + ", as it has readings of another tool");
+                importError(filename + ", line 1", "expected the columns " + header + ", as it has readings of another tool");
             for (size_t i = 0; i < csv.header().size(); i++)
                 table << (i ? "," : "") << csv.text((int)i);
             table << "\n";
@@ -348,7 +348,7 @@ void writeHandEye(const String& sequence, const String& tool, const Matx44d& cam
         else if (tools[i].isMap() && !tools[i]["camera_T_base"].empty()) n++;
     }
     if (index < 0)
-        CV_Error(Error::StsObjectNotFound, format("%s: key tools has no tool '%s', expected one of: %s", filename.c_str(), tool.c_str(), known.c_str()));
+        importError(filename, format("key tools has no tool '%s', expected one of: %s", tool.c_str(), known.c_str()), Error::StsObjectNotFound);
     if (!tools[index]["camera_T_base"].isMap())
         CV_Error(Error::StsParseError, format("%s: key tools[%d].camera_T_base is missing, expected a 4x4 matrix to replace", filename.c_str(), index));
 

@@ -20,7 +20,11 @@ namespace cv { namespace surgtrack {
 
 void importError(const String& filename, const String& what, Error::Code code)
 {
-    CV_Error(code, filename + ": " + what);
+    const size_t most = 2000;
+    String text = what.size() > most ? what.substr(0, most) + "..." : what;
+    for (size_t i = 0; i < text.size(); i++)
+        if ((uchar)text[i] < ' ' || text[i] == 127) text[i] = '?';   // nor does a terminal do what a file says
+    CV_Error(code, filename + ": " + text);
 }
 
 static const char* const byteOrderMark = "\xEF\xBB\xBF";
