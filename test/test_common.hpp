@@ -110,13 +110,19 @@ inline Vec3d randomDirection(RNG& rng)
     return v * (1 / cv::norm(v));
 }
 
+// Empty if the variable is, or is not set.
+inline String dataFolder()
+{
+    const char* const data = std::getenv("SURGTRACK_DATA");
+    return data ? data : "";
+}
+
 // A file or folder of the recorded data; the test is skipped without.
 inline String recorded(const String& name)
 {
-    const char* const data = std::getenv("SURGTRACK_DATA");
-    if (!data || !*data || !cv::utils::fs::exists(cv::utils::fs::join(data, name)))
-        throw SkipTestException("SURGTRACK_DATA does not name a folder that has " + name);
-    return cv::utils::fs::join(data, name);
+    const String folder = dataFolder(), path = cv::utils::fs::join(folder, name);
+    if (folder.empty() || !cv::utils::fs::exists(path)) throw SkipTestException("SURGTRACK_DATA does not name a folder that has " + name);
+    return path;
 }
 
 // An endoscope's camera with the paper's own unequal focal lengths and barrel distortion, for any image width.
