@@ -343,6 +343,9 @@ TEST(SurgTrack_HostileFiles, errorsAreShortLines)
     answers.push_back(answerTo("camera_matrix: " + wild + "\nimage_width: " + wild + "\n", ".yaml", [](const std::string& name) { importCameraInfo({ name }); }));
     answers.push_back(meshAnswer("ply\n" + wild + "\nend_header\n", ".ply"));
     answers.push_back(meshAnswer("solid a\n" + wild + "\n", ".stl"));
+    // Latin-1, and what looks like UTF-8; letters stay.
+    answers.push_back(answerTo("index,tx,ty,tz,qx,qy,qz,qw\n0,Gr\xFC\xDF" "e \xC3\xA4\xE6\x89\x8B\xF0\x9F\x94\xA7 \xC0\x80\xED\xA0\x80\xC2\x9B\xF8\x90\x80\x80\xE6\x89,0,0,0,0,0,1\n", ".csv", poses));
+    EXPECT_REFUSED(answers.back(), "'Gr" + std::string(2, '?') + "e \xC3\xA4\xE6\x89\x8B\xF0\x9F\x94\xA7 " + std::string(13, '?') + "'");
     for (size_t i = 0; i < answers.size(); i++)
     {
         EXPECT_NE("", answers[i]) << i;
