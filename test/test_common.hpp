@@ -5,15 +5,13 @@
 #ifndef OPENCV_SURGTRACK_TEST_COMMON_HPP
 #define OPENCV_SURGTRACK_TEST_COMMON_HPP
 
-#include "test_precomp.hpp"
+#include "test_data.hpp"
 #if CV_VERSION_MAJOR >= 5   // distances and rectangles too are there
 #include "opencv2/geometry.hpp"
 #else
 #include "opencv2/calib3d.hpp"
 #endif
-#include "opencv2/core/utils/filesystem.hpp"
 
-#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <map>
@@ -108,21 +106,6 @@ inline Vec3d randomDirection(RNG& rng)
     do v = gaussian<3>(rng, 1);
     while (cv::norm(v) < 1e-3);
     return v * (1 / cv::norm(v));
-}
-
-// Empty if the variable is, or is not set.
-inline String dataFolder()
-{
-    const char* const data = std::getenv("SURGTRACK_DATA");
-    return data ? data : "";
-}
-
-// A file or folder of the recorded data; the test is skipped without.
-inline String recorded(const String& name)
-{
-    const String folder = dataFolder(), path = cv::utils::fs::join(folder, name);
-    if (folder.empty() || !cv::utils::fs::exists(path)) throw SkipTestException("SURGTRACK_DATA does not name a folder that has " + name);
-    return path;
 }
 
 // An endoscope's camera with the paper's own unequal focal lengths and barrel distortion, for any image width.

@@ -354,6 +354,15 @@ TEST(SurgTrack_HostileFiles, errorsAreShortLines)
     }
 }
 
+TEST(SurgTrack_HostileFiles, whatIsReplacedMustBeAMatrix)
+{
+    const char* const poses[] = { "{ rows: 4, cols: 4, data: [ 1., 2. ] }", "{ rows: 4, cols: 4, dt: d }", "{ rows: -4, cols: 4, dt: d, data: [ 1. ] }", "{ a: 1 }",
+                                  "!!opencv-matrix { rows: 4, cols: 4, dt: \"9999999999x\", data: [ 1. ] }", "1" };
+    for (size_t i = 0; i < sizeof(poses) / sizeof(poses[0]); i++)
+        EXPECT_NE("", answerTo(std::string("%YAML:1.0\n---\ntools:\n   - { name: A, camera_T_base: ") + poses[i] + " }\n", ".yaml",
+                               [](const std::string& name) { writeHandEye(name, "A", Matx44d::eye()); })) << poses[i];
+}
+
 // --- long lines, many items ---
 
 TEST(SurgTrack_HostileFiles, longLinesAreLines)

@@ -357,7 +357,11 @@ void writeHandEye(const String& sequence, const String& tool, const Matx44d& cam
     const FileStorage check = parseStorage(filename, after);
     Mat written;
     const FileNode node = check["tools"][index]["camera_T_base"];
-    if (node.isMap()) node >> written;
+    try
+    {
+        if (node.isMap()) node >> written;
+    }
+    catch (const Exception&) {}   // a map, but no matrix
     const String key = format("/tools/%d/camera_T_base", index);
     if (written.size() != Size(4, 4) || written.type() != CV_64F || Matx44d(written.ptr<double>()) != camera_T_base
         || !sameNodes(storage.root(), check.root(), "", key))
