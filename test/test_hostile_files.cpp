@@ -363,6 +363,24 @@ TEST(SurgTrack_HostileFiles, whatIsReplacedMustBeAMatrix)
                                [](const std::string& name) { writeHandEye(name, "A", Matx44d::eye()); })) << poses[i];
 }
 
+// What a tool's or a camera's entry is written beside is copied.
+TEST(SurgTrack_HostileFiles, sequencesThatCannotBeCopiedAreLeftAlone)
+{
+    const std::string folder = cv::tempfile(""), name = folder + "/sequence.yaml";
+    ASSERT_TRUE(cv::utils::fs::createDirectory(folder));
+    const char* const values[] = { "!!opencv-matrix { rows: 4, cols: 4, dt: d, data: [ 1., 2. ] }", "!!opencv-matrix { rows: 4, cols: 4, dt: d }", "{ rows: 4, %dt: d }" };
+    for (size_t i = 0; i < sizeof(values) / sizeof(values[0]); i++)
+    {
+        const std::string before = std::string("%YAML:1.0\n---\nboard: ") + values[i] + "\n";
+        std::ofstream(name.c_str(), std::ios::binary) << before;
+        EXPECT_ERROR(writeSequenceTool(folder, "PSM1", "tool.yaml", Matx44d::eye()), name);
+        std::ostringstream after;
+        after << std::ifstream(name.c_str(), std::ios::binary).rdbuf();
+        EXPECT_EQ(before, after.str());
+    }
+    cv::utils::fs::remove_all(folder);
+}
+
 // --- long lines, many items ---
 
 TEST(SurgTrack_HostileFiles, longLinesAreLines)

@@ -76,6 +76,22 @@ public:
 
     void write()
     {
+        String text;
+        try
+        {
+            text = composed();
+        }
+        catch (const Exception& e)   // of what is copied: a map that looks like a matrix, a key that is none
+        {
+            if (e.err.find(filename_) != String::npos) throw;
+            importError(filename_, "can't be written anew: " + e.err);
+        }
+        writeContent(filename_, text);
+    }
+
+private:
+    String composed()
+    {
         FileStorage out(".yaml", FileStorage::WRITE | FileStorage::MEMORY | FileStorage::FORMAT_YAML);
         const String canonical = utils::fs::canonical(folder_);
         put(out, "name", canonical.substr(canonical.find_last_of("/\\") + 1), true);
@@ -103,10 +119,9 @@ public:
             if ((*it).name() != "tools")
                 copyKey(out, (*it).name());
         putTools(out);
-        writeContent(filename_, out.releaseAndGetString());
+        return out.releaseAndGetString();
     }
 
-private:
     void copyKey(FileStorage& out, const String& key)
     {
         if (root_[key].empty() || !done_.insert(key).second)
