@@ -10,6 +10,7 @@ using namespace cv::surgtrack;
 
 FUZZ_FILE(".xml", [](const std::string& name)
 {
+    static const cv::Ptr<ToolModel> model = ToolModel::needleDriver();
     cv::Mat joints;
-    importDaVinciJoints(name, ToolModel::needleDriver(), joints);
+    importDaVinciJoints(name, model, joints);
 })
