@@ -7,9 +7,15 @@
 
 using namespace cv::surgtrack;
 
-FUZZ_FILE(".yaml", [](const std::string& name)
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {
-    const cv::Ptr<Sequence> sequence = Sequence::load(name, false);
-    writeHandEye(name, sequence->tool(0).name, sequence->tool(0).nominal_T_base);
-    Sequence::load(name, false);
-})
+    const Input input(data, size, ".yaml");
+    input.give([](const std::string& name)
+    {
+        const cv::Ptr<Sequence> sequence = Sequence::load(name, false);
+        writeHandEye(name, sequence->tool(0).name, sequence->tool(0).nominal_T_base);
+        Sequence::load(name, false);
+    });
+    input.give([](const std::string& name) { writeHandEye(name, "PSM1", cv::Matx44d::eye()); });   // also where it can't be loaded
+    return 0;
+}

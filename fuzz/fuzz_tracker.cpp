@@ -11,7 +11,8 @@
 using namespace cv;
 using namespace cv::surgtrack;
 
-// Calls of the tracker's interface in any order, with any readings and times: each is answered with numbers, or refused.
+// Calls of the tracker's interface in any order, with any readings and times: each is answered with numbers, or refused. At the end it says
+// how many.
 
 namespace {
 
@@ -73,6 +74,13 @@ private:
     size_t left_;
 };
 
+struct Counts
+{
+    Counts() : updates(0), answered(0) {}
+    ~Counts() { std::fprintf(stderr, "%ld calls of update(), %ld answered\n", updates, answered); }
+    long updates, answered;
+};
+
 bool isFinite(const ToolEstimate& e)
 {
     bool ok = checkRange(e.camera_T_tool) && checkRange(e.camera_T_nominal) && checkRange(e.covariance) && checkRange(e.jointOffsets) && checkRange(e.joints);
@@ -86,6 +94,7 @@ bool isFinite(const ToolEstimate& e)
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {
     static const Scene scene;
+    static Counts counts;
     static ErrorCallback quiet = redirectError([](int, const char*, const char*, const char*, int, void*) { return 0; });
     (void)quiet;
     Bytes bytes(data, std::min(size, (size_t)200));
@@ -155,8 +164,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
                 }
                 if (kind == 2) cvtColor(left, left, COLOR_BGR2GRAY);
                 if (kind == 3) left = Mat();
+                counts.updates++;
                 if (kind < 9) tracker->update(left, time, joints, estimates);
                 else tracker->updateStereo(left, right, time, joints, estimates);
+                counts.answered++;
                 for (size_t i = 0; i < estimates.size(); i++)
                     if (!isFinite(estimates[i])) std::abort();
             }

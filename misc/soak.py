@@ -41,6 +41,8 @@ def main():
     tracker, images, joints, fps = load(folder)
     count, rng = len(images), np.random.default_rng(1)
     black, states, least, now, refused, skipped, sizes, finite = np.zeros_like(images[0]), np.zeros(4, int), np.inf, 0., 0, 0, [], True
+    noisy = [np.clip(images[0] + rng.normal(0, 2, images[0].shape), 0, 255).astype(np.uint8) for _ in range(20)]   # as a sensor's [grey levels]
+    still, first, farthest = scenario in ('static', 'noise'), None, 0.   # how far a tool that stands moves, in deviations
     start = time.monotonic()
     for i in range(frames):
         k = i % (2 * count - 2)
@@ -49,6 +51,8 @@ def main():
         now += 1 / fps
         if scenario == 'static':
             image, q = images[0], list(joints[0])
+        elif scenario == 'noise':
+            image, q = noisy[i % len(noisy)], list(joints[0])
         elif scenario == 'black' and i % 1000 >= 500:
             image = black
         elif scenario == 'glitches' and i % 20 == 10:
@@ -67,11 +71,14 @@ def main():
         skipped = e.skippedReadings
         least = min(least, np.linalg.eigvalsh(e.covariance)[0])
         finite = finite and np.isfinite(e.camera_T_tool).all() and np.isfinite(e.covariance).all()
+        if still and i >= 200:
+            first = e.camera_T_tool[:3, 3].copy() if first is None else first
+            farthest = max(farthest, np.linalg.norm(e.camera_T_tool[:3, 3] - first) / np.sqrt(np.trace(e.covariance[3:, 3:])))
         if i % PERIOD == PERIOD - 1 or i in (200, frames - 1):
             sizes.append(memory())
     took = time.monotonic() - start
     growth = sizes[-1] - sizes[min(1, len(sizes) - 1)]
-    sound = finite and least > 0 and growth < 20
+    sound = finite and least > 0 and growth < 20 and farthest < 3
     print('| %s | %d | %.1f | %s | %+.1f | %.1e | %d, %d | %s |' % (scenario, frames, 1e3 * took / frames, ', '.join(map(str, states)), growth, least, refused, skipped,
                                                                'ok' if sound else 'FAILED'))
     return 0 if sound else 1

@@ -7,7 +7,7 @@ usage() {
   cat <<'TEXT'
 usage: misc/soak.sh [FRAMES]
 
-Builds what is needed and tracks a synthetic sequence for FRAMES frames (100000) in each of five ways; then ends programs by kill -9 while
+Builds what is needed and tracks a synthetic sequence for FRAMES frames (100000) in each of six ways; then ends programs by kill -9 while
 they write, lets them write to a disk that is full, and gives them files that are cut. The exit code is 0 if all rows are ok.
 TEXT
 }
@@ -38,7 +38,7 @@ failed=0
 step "Long runs"
 echo '| run | frames | ms a frame | initializing, tracking, coasting, lost | memory [MB] | least variance | refused, skipped readings | |'
 echo '|---|---|---|---|---|---|---|---|'
-for scenario in motion static black glitches jumps; do
+for scenario in motion static noise black glitches jumps; do
   python_cv2 "$REPO/misc/soak.py" "$work/sequence" "$frames" "$scenario" || failed=1
 done
 

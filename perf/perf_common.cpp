@@ -114,7 +114,7 @@ Ptr<ToolModel> tool(const std::string& cad)
     if (cad == "SURGTRACK_DATA")
     {
         const char* const data = getenv("SURGTRACK_DATA");
-        if (!data) throw SkipTestException("SURGTRACK_DATA is not set");
+        if (!data || !*data) throw SkipTestException("SURGTRACK_DATA is not set");
         model = ToolModel::load(String(data) + "/tools/large_needle_driver/large_needle_driver.yaml");
     }
     else

@@ -317,10 +317,7 @@ TEST(Surgtrack_Baselines, refuseToLearnFromTestedVideos)
 
 TEST(Surgtrack_Baselines, refuseThoseOfTheEvaluation)
 {
-    const char* const data = std::getenv("SURGTRACK_DATA");
-    if (!data || !utils::fs::exists(utils::fs::join(data, "sequences/paper_rig_worn")))
-        throw SkipTestException("SURGTRACK_DATA does not name a folder that has sequences/paper_rig_worn");
-    const String folder = utils::fs::join(data, "sequences");
+    const String folder = utils::fs::getParent(recorded("sequences/paper_rig_worn"));
     const char* const pairs[][2] = { { "paper_rig_worn", "paper_rig" }, { "paper_rig", "paper_rig_realjoints" },
                                      { "exvivo_dual_moved_realjoints", "exvivo_dual_moved" }, { "phantom_stereo", "phantom_stereo_realjoints" } };
     for (int i = 0; i < 4; i++)

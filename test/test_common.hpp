@@ -5,8 +5,7 @@
 #ifndef OPENCV_SURGTRACK_TEST_COMMON_HPP
 #define OPENCV_SURGTRACK_TEST_COMMON_HPP
 
-#include "test_precomp.hpp"
-#include "opencv2/core/utils/filesystem.hpp"
+#include "test_data.hpp"
 #if CV_VERSION_MAJOR >= 5   // distances and rectangles too are there
 #include "opencv2/geometry.hpp"
 #else

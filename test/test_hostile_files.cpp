@@ -34,7 +34,7 @@ template <typename Read> std::string answerTo(const std::string& content, const 
     const int64 start = cv::getTickCount();
     const std::string error = errorText([&]() { read(file.name); });
     EXPECT_LT((cv::getTickCount() - start) / cv::getTickFrequency(), enough) << content.substr(0, 200);
-    if (!error.empty()) EXPECT_NE(std::string::npos, error.find(file.name)) << "the file is not named: " << error.substr(0, 300);
+    EXPECT_TRUE(error.empty() || error.find(file.name) != std::string::npos) << "the file is not named: " << error.substr(0, 300);
     return error;
 }
 
@@ -221,6 +221,16 @@ TEST(SurgTrack_HostileFiles, devicesAndPipesAreNotRead)
     std::remove(pipe.c_str());
 }
 
+// Then data is not looked for in /.
+TEST(SurgTrack_HostileFiles, anEmptyNameOfTheDataFolderIsNone)
+{
+    const char* const data = std::getenv("SURGTRACK_DATA");
+    const std::string before = data ? data : "";
+    ASSERT_EQ(0, setenv("SURGTRACK_DATA", "", 1));
+    EXPECT_TRUE(dataFolder().empty());
+    ASSERT_EQ(0, data ? setenv("SURGTRACK_DATA", before.c_str(), 1) : unsetenv("SURGTRACK_DATA"));
+}
+
 TEST(SurgTrack_HostileFiles, namesWithLineFeedsAreNames)
 {
     const std::string folder = cv::tempfile("") + "%YAML:1.0\nname: x\n";
@@ -317,6 +327,58 @@ TEST(SurgTrack_HostileFiles, soundStoragesAreRead)
                            "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [500, 0, 320,\n         0, 500, 240, 0, 0, 1]\n"
                            "distortion_coefficients: {rows: 1, cols: 5, data: [0.1 -0.2 0 0 0]}\ntexts:\n- \"a: [\"\n- 'it''s }'\n- -1\n- - 1\n  - 2\n...\n---\nnot read: [\n", ".yaml");
     EXPECT_EQ(Size(640, 480), importCameraInfo({ info.name }).left.imageSize());
+}
+
+// --- errors ---
+
+// Whatever stands in a file, what is said of it is a line to be read, and does nothing to a terminal.
+TEST(SurgTrack_HostileFiles, errorsAreShortLines)
+{
+    const std::string wild = repeated("7\x1b[2J\x07", 20000);
+    std::vector<std::string> answers;
+    const auto poses = [](const std::string& name) { std::vector<double> keys; Mat found; readPoses(name, keys, found); };
+    answers.push_back(answerTo("index,tx,ty,tz,qx,qy,qz,qw\n0," + wild + ",0,0,0,0,0,1\n", ".csv", poses));
+    answers.push_back(answerTo("index,tx,ty,tz,qx,qy,qz,qw," + wild + "," + wild + "\n", ".csv", poses));
+    answers.push_back(storageAnswer("%YAML:1.0\n---\nname: x\ncoordinates: [ \"" + wild + "\", \"" + wild + "\" ]\n"));
+    answers.push_back(answerTo("camera_matrix: " + wild + "\nimage_width: " + wild + "\n", ".yaml", [](const std::string& name) { importCameraInfo({ name }); }));
+    answers.push_back(meshAnswer("ply\n" + wild + "\nend_header\n", ".ply"));
+    answers.push_back(meshAnswer("solid a\n" + wild + "\n", ".stl"));
+    // Latin-1, and what looks like UTF-8; letters stay.
+    answers.push_back(answerTo("index,tx,ty,tz,qx,qy,qz,qw\n0,Gr\xFC\xDF" "e \xC3\xA4\xE6\x89\x8B\xF0\x9F\x94\xA7 \xC0\x80\xED\xA0\x80\xC2\x9B\xF8\x90\x80\x80\xE6\x89,0,0,0,0,0,1\n", ".csv", poses));
+    EXPECT_REFUSED(answers.back(), "'Gr" + std::string(2, '?') + "e \xC3\xA4\xE6\x89\x8B\xF0\x9F\x94\xA7 " + std::string(13, '?') + "'");
+    for (size_t i = 0; i < answers.size(); i++)
+    {
+        EXPECT_NE("", answers[i]) << i;
+        EXPECT_GT(3000u, answers[i].size()) << i << ": " << answers[i].substr(0, 300);
+        EXPECT_EQ(std::string::npos, answers[i].find_first_of("\x1b\x07")) << i << ": " << answers[i].substr(0, 300);
+    }
+}
+
+TEST(SurgTrack_HostileFiles, whatIsReplacedMustBeAMatrix)
+{
+    const char* const poses[] = { "{ rows: 4, cols: 4, data: [ 1., 2. ] }", "{ rows: 4, cols: 4, dt: d }", "{ rows: -4, cols: 4, dt: d, data: [ 1. ] }", "{ a: 1 }",
+                                  "!!opencv-matrix { rows: 4, cols: 4, dt: \"9999999999x\", data: [ 1. ] }", "1" };
+    for (size_t i = 0; i < sizeof(poses) / sizeof(poses[0]); i++)
+        EXPECT_NE("", answerTo(std::string("%YAML:1.0\n---\ntools:\n   - { name: A, camera_T_base: ") + poses[i] + " }\n", ".yaml",
+                               [](const std::string& name) { writeHandEye(name, "A", Matx44d::eye()); })) << poses[i];
+}
+
+// What a tool's or a camera's entry is written beside is copied.
+TEST(SurgTrack_HostileFiles, sequencesThatCannotBeCopiedAreLeftAlone)
+{
+    const std::string folder = cv::tempfile(""), name = folder + "/sequence.yaml";
+    ASSERT_TRUE(cv::utils::fs::createDirectory(folder));
+    const char* const values[] = { "!!opencv-matrix { rows: 4, cols: 4, dt: d, data: [ 1., 2. ] }", "!!opencv-matrix { rows: 4, cols: 4, dt: d }", "{ rows: 4, %dt: d }" };
+    for (size_t i = 0; i < sizeof(values) / sizeof(values[0]); i++)
+    {
+        const std::string before = std::string("%YAML:1.0\n---\nboard: ") + values[i] + "\n";
+        std::ofstream(name.c_str(), std::ios::binary) << before;
+        EXPECT_ERROR(writeSequenceTool(folder, "PSM1", "tool.yaml", Matx44d::eye()), name);
+        std::ostringstream after;
+        after << std::ifstream(name.c_str(), std::ios::binary).rdbuf();
+        EXPECT_EQ(before, after.str());
+    }
+    cv::utils::fs::remove_all(folder);
 }
 
 // --- long lines, many items ---

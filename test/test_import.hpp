@@ -51,15 +51,6 @@ inline std::vector<String> list(const String& a, const String& b)
     return std::vector<String>(both, both + 2);
 }
 
-// A file of the recorded data; the test is skipped without.
-inline String recorded(const String& name)
-{
-    const char* const data = std::getenv("SURGTRACK_DATA");
-    if (!data || !cv::utils::fs::exists(cv::utils::fs::join(data, name)))
-        throw SkipTestException("SURGTRACK_DATA does not name a folder that has " + name);
-    return cv::utils::fs::join(data, name);
-}
-
 // The module may have been built without the library a format needs.
 template <typename Call> auto orSkip(const Call& call) -> decltype(call())
 {

@@ -2,7 +2,7 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
-#include "test_precomp.hpp"
+#include "test_data.hpp"
 
 #include <cstdio>
 #include <fstream>
@@ -483,10 +483,7 @@ TEST(SurgTrack_Mesh, decimatedSphereStaysOnTheSphere)
 
 TEST(SurgTrack_Mesh, decimationOfARealToolKeepsItsSurface)
 {
-    const char* const data = getenv("SURGTRACK_DATA");
-    if (!data)
-        throw SkipTestException("SURGTRACK_DATA is not set");
-    const String filename = String(data) + "/tools/large_needle_driver/large_needle_driver.yaml";
+    const String filename = recorded("tools/large_needle_driver/large_needle_driver.yaml");
     const int64 start = getTickCount();
     const Ptr<ToolModel> full = ToolModel::load(filename, 0), tool = ToolModel::load(filename, 20000);
     const double seconds = (getTickCount() - start) / getTickFrequency();

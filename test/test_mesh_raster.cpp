@@ -161,9 +161,7 @@ TEST(SurgTrack_MeshRaster, regionsHoldWhatAWholeDrawingHolds)
 // The 80,000 triangles of the Large Needle Driver against what ToolModel::load() makes of them, drawn eight times as large.
 TEST(SurgTrack_MeshRaster, decimationKeepsTheOutline)
 {
-    const char* data = getenv("SURGTRACK_DATA");
-    if (!data) throw SkipTestException("SURGTRACK_DATA is not set");
-    const std::string file = std::string(data) + "/tools/large_needle_driver/large_needle_driver.yaml";
+    const std::string file = recorded("tools/large_needle_driver/large_needle_driver.yaml");
     const int enlarged = 8;
     const CameraModel camera(Matx33d(800. * enlarged, 0, 359.5 * enlarged, 0, 800. * enlarged, 287.5 * enlarged, 0, 0, 1), noArray(),
                              Size(720 * enlarged, 576 * enlarged));

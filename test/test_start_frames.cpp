@@ -166,11 +166,7 @@ TEST_P(SurgTrack_StartFrames, mostFramesOfTheRecordedSequenceStart)
     const char* const text = std::getenv("SURGTRACK_START_FRAMES");
     const int step = text ? std::atoi(text) : 0;
     if (step <= 0) throw SkipTestException("SURGTRACK_START_FRAMES, the step from one start to the next, is not set");
-    const char* const data = std::getenv("SURGTRACK_DATA");
-    const String folder = data ? String(data) + "/sequences/" + GetParam() : String();
-    if (!data || !std::ifstream((folder + "/sequence.yaml").c_str()).good())
-        throw SkipTestException("the sequence is not there: SURGTRACK_DATA does not name a folder that has it");
-    const TrueSequence s(folder);
+    const TrueSequence s(recorded(String("sequences/") + GetParam()));
     if (!VideoCapture(s.sequence->leftVideo()).isOpened()) throw SkipTestException("this OpenCV cannot read the video");
     for (int stereo = 0; stereo <= int(s.sequence->isStereo()); stereo++)
     {

@@ -312,10 +312,7 @@ typedef testing::TestWithParam<std::pair<const char*, int> > SurgTrack_TimeOffse
 
 TEST_P(SurgTrack_TimeOffsetOfRecordings, isFound)
 {
-    const char* const data = std::getenv("SURGTRACK_DATA");
-    const String source = data ? String(data) + "/sequences/" + GetParam().first : String();
-    if (!data || !std::ifstream((source + "/sequence.yaml").c_str()).good())
-        throw SkipTestException(String("the sequence ") + GetParam().first + " is not there: SURGTRACK_DATA does not name a folder that has it");
+    const String source = recorded(String("sequences/") + GetParam().first);
     if (!VideoCapture(Sequence::load(source)->leftVideo()).isOpened()) throw SkipTestException("this OpenCV cannot read the video");
     const ShiftedCopy copy(source);
     const double offset = GetParam().second * frameTime;

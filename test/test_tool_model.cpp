@@ -518,14 +518,6 @@ TEST(SurgTrack_NeedleDriver, keypointsLieOnTheSurfaceInPairs)
 
 // ------------------------------------------------------------------------------------------- against data made by other means
 
-String dataPath(const String& name)
-{
-    const char* const data = getenv("SURGTRACK_DATA");
-    if (!data)
-        throw SkipTestException("SURGTRACK_DATA is not set");
-    return cv::utils::fs::join(data, name);
-}
-
 std::vector<std::vector<std::string> > readCSV(const String& filename)
 {
     std::ifstream file(filename.c_str());
@@ -556,10 +548,10 @@ Matx44d poseOf(const std::vector<std::string>& row)
 TEST(SurgTrack_ToolModel, truePosesAndKeypointsOfTheSequencesAreReproduced)
 {
     const char* const sequences[] = { "exvivo_single", "phantom_stereo", "paper_rig" };
-    const Ptr<ToolModel> tool = ToolModel::load(dataPath("tools/large_needle_driver/large_needle_driver_lowres.yaml"));
+    const Ptr<ToolModel> tool = ToolModel::load(recorded("tools/large_needle_driver/large_needle_driver_lowres.yaml"));
     for (int s = 0; s < 3; ++s)
     {
-        const String folder = dataPath(String("sequences/") + sequences[s]);
+        const String folder = recorded(String("sequences/") + sequences[s]);
         const std::vector<std::vector<std::string> > truth = readCSV(folder + "/groundtruth.csv"), keypoints = readCSV(folder + "/keypoints.csv");
         std::map<std::string, Matx44d> camera_T_base;
         std::map<std::pair<std::string, std::string>, Mat> basePoints;
@@ -605,8 +597,8 @@ std::string attribute(const std::string& line, const std::string& element, const
 
 TEST(SurgTrack_ToolModel, kinematicsEqualThoseOfTheUrdf)
 {
-    const Ptr<ToolModel> tool = ToolModel::load(dataPath("tools/large_needle_driver/large_needle_driver_lowres.yaml"));
-    std::ifstream file(dataPath("tools/large_needle_driver/large_needle_driver.urdf").c_str());
+    const Ptr<ToolModel> tool = ToolModel::load(recorded("tools/large_needle_driver/large_needle_driver_lowres.yaml"));
+    std::ifstream file(recorded("tools/large_needle_driver/large_needle_driver.urdf").c_str());
     std::map<std::string, UrdfJoint> joints;   // by child; each with the name of the coordinate in `mimic`
     std::string line;
     while (std::getline(file, line))

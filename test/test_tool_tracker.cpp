@@ -172,11 +172,7 @@ TEST(SurgTrack_Tracker, theFilterBeatsEPnPOfEachFrame)
 
 TEST(SurgTrack_Tracker, followsTheRecordedPaperRig)
 {
-    const char* const data = std::getenv("SURGTRACK_DATA");
-    const String folder = data ? String(data) + "/sequences/paper_rig" : String();
-    if (!data || !std::ifstream((folder + "/sequence.yaml").c_str()).good())
-        throw SkipTestException("the sequence paper_rig is not there: SURGTRACK_DATA does not name a folder that has it");
-    const Ptr<Sequence> sequence = Sequence::load(folder);
+    const Ptr<Sequence> sequence = Sequence::load(recorded("sequences/paper_rig"));
     VideoCapture video(sequence->leftVideo());
     if (!video.isOpened()) throw SkipTestException("this OpenCV cannot read the video of paper_rig");
     const CameraModel camera = sequence->leftCamera();

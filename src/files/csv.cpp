@@ -211,7 +211,7 @@ int CsvReader::count(int column) const
 
 void CsvReader::fail(const String& what) const
 {
-    CV_Error(Error::StsParseError, format("%s, line %d: %s", filename_.c_str(), lineNumber_, what.c_str()));
+    importError(format("%s, line %d", filename_.c_str(), lineNumber_), what);
 }
 
 }} // namespace cv::surgtrack

@@ -6,6 +6,7 @@
 #define OPENCV_SURGTRACK_SRC_FILES_MESH_CHECK_HPP
 
 #include "opencv2/surgtrack/tool_model.hpp"
+#include "files/text_file.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -23,7 +24,7 @@ public:
     std::string checkedOBJ();
 
 private:
-    CV_NORETURN void fail(const String& what) const { CV_Error(Error::StsParseError, filename_ + ": " + what); }
+    CV_NORETURN void fail(const String& what) const { importError(filename_, what); }
     Mesh readTextSTL();
     Mesh readBinarySTL(int64 triangles) const;
     String nextWord();

@@ -71,7 +71,7 @@ Mesh readMeshFile(const String& filename)
     for (unsigned i = 0; scene && i < scene->mNumMeshes; ++i)
         append(*scene->mMeshes[i], mesh);
     if (mesh.triangles.empty())
-        CV_Error(Error::StsParseError, filename + ": expected at least one triangle" + (*importer.GetErrorString() ? String(" (") + importer.GetErrorString() + ")" : String()));
+        importError(filename, "expected at least one triangle" + (*importer.GetErrorString() ? String(" (") + importer.GetErrorString() + ")" : String()));
     for (size_t i = 0; i < mesh.vertices.size(); ++i)
         if (!checkRange(Vec3f(mesh.vertices[i])))
             CV_Error(Error::StsParseError, filename + format(": expected finite numbers, vertex %d is not", (int)i));

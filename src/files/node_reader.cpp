@@ -6,6 +6,7 @@
 #include "opencv2/surgtrack/names.hpp"
 #include "base/geometry.hpp"
 #include "files/node_reader.hpp"
+#include "files/text_file.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -17,7 +18,7 @@ String besideFile(const String& filename, const String& path)
 
 void NodeReader::fail(const String& what, Error::Code code) const
 {
-    CV_Error(code, filename_ + ": " + (path_.empty() ? "" : "key " + path_ + ": ") + what);
+    importError(filename_, (path_.empty() ? "" : "key " + path_ + ": ") + what, code);
 }
 
 void NodeReader::expected(const String& what) const

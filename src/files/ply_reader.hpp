@@ -7,6 +7,7 @@
 
 #include <sstream>
 #include "opencv2/surgtrack/tool_model.hpp"
+#include "files/text_file.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -20,7 +21,7 @@ public:
 
     Mesh read();
 
-    CV_NORETURN void fail(const String& what) const { CV_Error(Error::StsParseError, filename_ + ": " + what); }
+    CV_NORETURN void fail(const String& what) const { importError(filename_, what); }
 
 private:
     struct Type { int size; bool isInteger, isSigned; };

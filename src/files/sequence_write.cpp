@@ -76,6 +76,22 @@ public:
 
     void write()
     {
+        String text;
+        try
+        {
+            text = composed();
+        }
+        catch (const Exception& e)   // of what is copied: a map that looks like a matrix, a key that is none
+        {
+            if (e.err.find(filename_) != String::npos) throw;
+            importError(filename_, "can't be written anew: " + e.err);
+        }
+        writeContent(filename_, text);
+    }
+
+private:
+    String composed()
+    {
         FileStorage out(".yaml", FileStorage::WRITE | FileStorage::MEMORY | FileStorage::FORMAT_YAML);
         const String canonical = utils::fs::canonical(folder_);
         put(out, "name", canonical.substr(canonical.find_last_of("/\\") + 1), true);
@@ -103,10 +119,9 @@ public:
             if ((*it).name() != "tools")
                 copyKey(out, (*it).name());
         putTools(out);
-        writeContent(filename_, out.releaseAndGetString());
+        return out.releaseAndGetString();
     }
 
-private:
     void copyKey(FileStorage& out, const String& key)
     {
         if (root_[key].empty() || !done_.insert(key).second)
@@ -314,7 +329,7 @@ void writeSequenceJoints(const String& folder, const String& name, const std::ve
             if (name == csv.text(toolColumn))
                 continue;
             if (oldHeader != header)
-                CV_Error(Error::StsParseError, filename + ", line 1: expected the columns " + header + ", as it has readings of another tool");
+                importError(filename + ", line 1", "expected the columns " + header + ", as it has readings of another tool");
             for (size_t i = 0; i < csv.header().size(); i++)
                 table << (i ? "," : "") << csv.text((int)i);
             table << "\n";
@@ -348,7 +363,7 @@ void writeHandEye(const String& sequence, const String& tool, const Matx44d& cam
         else if (tools[i].isMap() && !tools[i]["camera_T_base"].empty()) n++;
     }
     if (index < 0)
-        CV_Error(Error::StsObjectNotFound, format("%s: key tools has no tool '%s', expected one of: %s", filename.c_str(), tool.c_str(), known.c_str()));
+        importError(filename, format("key tools has no tool '%s', expected one of: %s", tool.c_str(), known.c_str()), Error::StsObjectNotFound);
     if (!tools[index]["camera_T_base"].isMap())
         CV_Error(Error::StsParseError, format("%s: key tools[%d].camera_T_base is missing, expected a 4x4 matrix to replace", filename.c_str(), index));
 
@@ -357,7 +372,11 @@ void writeHandEye(const String& sequence, const String& tool, const Matx44d& cam
     const FileStorage check = parseStorage(filename, after);
     Mat written;
     const FileNode node = check["tools"][index]["camera_T_base"];
-    if (node.isMap()) node >> written;
+    try
+    {
+        if (node.isMap()) node >> written;
+    }
+    catch (const Exception&) {}   // a map, but no matrix
     const String key = format("/tools/%d/camera_T_base", index);
     if (written.size() != Size(4, 4) || written.type() != CV_64F || Matx44d(written.ptr<double>()) != camera_T_base
         || !sameNodes(storage.root(), check.root(), "", key))

@@ -5,6 +5,7 @@
 #include "precomp.hpp"
 #include <cctype>
 #include "files/storage_check.hpp"
+#include "files/text_file.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -17,7 +18,7 @@ const size_t widest = 256;       // column that a line may begin at: each level 
 
 void StorageCheck::fail(const String& what) const
 {
-    CV_Error(Error::StsParseError, filename_ + format(", line %d: ", std::max(line_, 1)) + what);
+    importError(filename_ + format(", line %d", std::max(line_, 1)), what);
 }
 
 String StorageCheck::checked()
@@ -43,7 +44,7 @@ void StorageCheck::checkMatrices(const String& filename, const FileNode& node)
         const int64 data = node["data"].isSeq() ? (int64)node["data"].size() : 1;
         const int64 few = 10000;   // of so many the reader of the key tells
         if (!rows.isInt() || !cols.isInt() || (int)rows < 0 || (int)cols < 0 || (int64)(int)rows * (int)cols > std::max(data, few))
-            CV_Error(Error::StsParseError, filename + ": key " + (node.isNamed() ? node.name() : String("[]")) + format(": expected a matrix of rows x cols numbers, found %lld", (long long)data));
+            importError(filename, "key " + (node.isNamed() ? node.name() : String("[]")) + format(": expected a matrix of rows x cols numbers, found %lld", (long long)data));
     }
     if (node.isMap() || node.isSeq())
         for (FileNodeIterator it = node.begin(); it != node.end(); ++it)

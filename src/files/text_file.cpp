@@ -18,9 +18,34 @@
 
 namespace cv { namespace surgtrack {
 
+//! Without what a terminal would act on, and what is not UTF-8: Python shows nothing at all of a text that has it.
+static String printable(const String& text, size_t most)
+{
+    static const unsigned least[] = { ' ', 0xA0, 0x800, 0x10000 };   // of as many bytes
+    String result;
+    for (size_t i = 0, bytes; i < text.size(); i += bytes)
+    {
+        if (result.size() >= most)
+            return result + "...";
+        const uchar first = (uchar)text[i];
+        bytes = first < 0xC0 ? 1 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
+        unsigned code = bytes == 1 ? first : first & (0xFFu >> (bytes + 1));
+        bool sound = (first < 0x80 || first >= 0xC0) && first < 0xF8;
+        for (size_t k = 1; k < bytes && sound; k++)
+        {
+            sound = i + k < text.size() && ((uchar)text[i + k] & 0xC0) == 0x80;
+            code = code << 6 | ((uchar)text[i + k] & 0x3F);
+        }
+        sound = sound && code >= least[bytes - 1] && code != 127 && (code < 0xD800 || code > 0xDFFF) && code <= 0x10FFFF;
+        if (!sound) bytes = 1;
+        result += sound ? text.substr(i, bytes) : String("?");
+    }
+    return result;
+}
+
 void importError(const String& filename, const String& what, Error::Code code)
 {
-    CV_Error(code, filename + ": " + what);
+    CV_Error(code, filename + ": " + printable(what, 2000));
 }
 
 static const char* const byteOrderMark = "\xEF\xBB\xBF";

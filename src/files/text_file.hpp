@@ -12,6 +12,7 @@
 
 namespace cv { namespace surgtrack {
 
+//! A line of bounded length, whatever of the file is repeated in it.
 CV_NORETURN void importError(const String& filename, const String& what, Error::Code code = Error::StsParseError);
 
 //! Whether this is a file with an end, and not a folder, a pipe or a device, which may never have one.

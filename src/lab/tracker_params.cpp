@@ -176,7 +176,7 @@ public:
 private:
     CV_NORETURN void fail(const String& key, const String& what) const
     {
-        CV_Error(Error::StsParseError, filename_ + ": key " + key + ": " + what);
+        importError(filename_, "key " + key + ": " + what);
     }
     FileNode find(const char* name)
     {

@@ -5,6 +5,7 @@
 #include "precomp.hpp"
 #include "lab/import/joint_file.hpp"
 #include "files/joint_names.hpp"
+#include "files/text_file.hpp"
 
 #include <cctype>
 #include <cstdlib>
@@ -365,6 +366,6 @@ void JointFile::toSeconds(std::vector<JointSeries>& series) const
     }
 }
 
-void JointFile::fail(const String& what) const { CV_Error(Error::StsParseError, filename_ + ": " + what); }
+void JointFile::fail(const String& what) const { importError(filename_, what); }
 
 }} // namespace cv::surgtrack

@@ -83,8 +83,9 @@ JointReading readPlain(const json& message)
     JointReading reading;
     if (message.count("tool"))
         reading.tool = text(message["tool"], "tool");
-    reading.time = boundedNumber(required(message, "", "time"), "time", mostTime);
-    const json& positions = required(message, "", "position");
+    const String root;
+    reading.time = boundedNumber(required(message, root, "time"), "time", mostTime);
+    const json& positions = required(message, root, "position");
     if (positions.is_object() && !positions.empty())
     {
         for (json::const_iterator it = positions.begin(); it != positions.end(); ++it)
