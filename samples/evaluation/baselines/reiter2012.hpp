@@ -221,7 +221,7 @@ public:
         renderer_ = MeshRenderer::createSoftware();
     }
 
-    //! @param frames at most so many are read; 0 = all. At most MOST_FRAMES of them, evenly spread, are looked at
+    //! @param frames at most so many are read; 0 = all. At most MOST_FRAMES of them, evenly spread and with truth, are looked at
     Run track(int frames, bool quiet)
     {
         PartFinder& finder = truths_.finder();   // of its reduced images
@@ -232,7 +232,7 @@ public:
         std::vector<std::vector<double> > joints;
         for (int frame = 0; (frames == 0 || frame < frames) && reader.read(image); frame++)
         {
-            if (frame % step)
+            if (frame % step || !truths_.read(frame))
                 continue;
             data_.joints(frame, joints);
             finder.setImage(image);
