@@ -242,7 +242,7 @@ TEST(Surgtrack_Covariance, isThatOfTheDefinition)
                 covariances.valuesAt(from.x + CovarianceImage::BORDER, from.y + CovarianceImage::BORDER, kept.val);
                 for (int j = 2; j < 9; j++)
                 {
-                    EXPECT_NEAR(values[k][j], kept[j], 1e-6);   // they are kept as floats
+                    EXPECT_NEAR(values[k][j], kept[j], j < 8 ? 1e-6 : 1e-4);   // floats; the last is an angle of gradients of 1/1020 and more
                     values[k][j] = kept[j];
                 }
                 average += values[k] * (1. / values.size());
@@ -421,7 +421,8 @@ TEST(Surgtrack_Baselines, learnOnce)
     for (size_t i = 0; i < files.size(); i++)
     {
         EXPECT_NE(String::npos, files[i].find("learner-")) << files[i];
-        FileStorage(files[i], FileStorage::WRITE) << "value" << 8;
+        FileStorage file(files[i], FileStorage::WRITE);
+        file << "value" << 8;
     }
     EXPECT_ERROR(checkLearner("a", one, models, 0), "is no model of learner");
     utils::fs::remove_all(root);

@@ -72,6 +72,7 @@ public:
         {
             renderers_[level] = PartTemplateRenderer::create(Ptr<MeshRenderer>(), drawing);
             renderers_[level]->addTool(model);
+            matching.spread = level == 0 ? 5 : 3;   // half of it at half the size: wider, small drawings win, of tools too far away
             matchers_[level] = QGOMatcher::create(matching);
         }
         cameras_[0] = camera;

@@ -28,15 +28,16 @@ public:
     enum { WIDEST = 120, NARROWEST = 20, NEAR = 20, CONFIRM = 3, LEAST = 3 };   // [pixel at 720 px width], frames, landmarks
 
     /** @param cameras of the images; the right one of size 0 x 0 if there is one eye
-    @param scale pixels of an image 720 pixel wide, see PartFinder::pixelScale() */
-    LandmarkFusion(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const CameraPair& cameras, double scale)
+    @param scale pixels of an image 720 pixel wide, see PartFinder::pixelScale()
+    @param noise of a landmark, were each frame's independent [pixel at 720 px width]. Within 40 px they scatter by 8.1 and 8.6 px an axis, on each
+    training video with the trees of the other, but err alike for long: correlations of 1 to 48 frames add up to 14 and 10, so that 22 to 29
+    frames tell as much as one: sqrt(25) times */
+    LandmarkFusion(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const CameraPair& cameras, double scale, double noise = 40)
         : cameras_(cameras), scale_(scale), state_(STATE_INITIALIZING), measured_(0), lastTime_(0)
     {
         ArticulatedPoseEKF::Params params;
         params.jointOffsets = false;
-        // Of landmarks within 40 px, on each training video with the trees of the other: 8.1 and 8.6 px an axis. They err alike for long: the
-        // correlations of 1 to 48 frames add up to 14 and 10, so 22 to 29 frames tell as much as one: sqrt(25) times.
-        params.pointNoise = 40 * scale;
+        params.pointNoise = noise * scale;
         const ToolPoseEKF::Params published;   // a calibration changes slowly, and landmarks are coarse
         params.processRotation = published.processRotation;
         params.processTranslation = published.processTranslation;
