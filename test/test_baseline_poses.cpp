@@ -72,36 +72,55 @@ std::vector<Landmark> landmarksOf(const SyntheticScene& scene, double time, RNG&
     return landmarks;
 }
 
-TEST(Surgtrack_LandmarkFusion, convergesCoastsAndIsLost)
+// Fed with them from 3 degrees and 6 mm off, mean distance from the truth in the end of ten draws [m].
+double distanceAfter(const SyntheticScene& scene, int frames, double noise)
+{
+    const Ptr<ToolModel> model = scene.model();
+    const Matx44d truth = scene.truePose(0, 0);
+    const Matx44d wrong = evaluation::rigid(rotationMatrix(Vec3d(0.03, -0.03, 0.03)) * rotationOf(truth), translationOf(truth) + Vec3d(0.004, -0.003, 0.0033));
+    CameraPair cameras;
+    cameras.left = scene.camera();
+    double sum = 0;
+    for (int seed = 0; seed < 10; seed++)
+    {
+        LandmarkFusion fusion(model, wrong * rigidInverse(truth) * scene.camera_T_base(0), cameras, 1, noise);
+        EXPECT_EQ(STATE_INITIALIZING, fusion.state());
+        RNG rng(19 + seed);
+        for (int frame = 0; frame < frames; frame++)
+        {
+            fusion.predict(scene.trueJoints(0, frame / 25.));
+            fusion.correct(landmarksOf(scene, frame / 25., rng), frame / 25.);
+            EXPECT_EQ(STATE_TRACKING, fusion.state());
+        }
+        sum += distance(scene.truePose(0, (frames - 1) / 25.), fusion.camera_T_tool(model));
+    }
+    return sum / 10;
+}
+
+// Nearly all of it is depth, which one eye sees by the size of the tool: 5 mm in a single frame.
+TEST(Surgtrack_LandmarkFusion, converges)
+{
+    const Ptr<SyntheticScene> scene = sceneWithout(0);
+    EXPECT_LT(distanceAfter(*scene, 30, 8), 0.0015);    // told what they are
+    EXPECT_LT(distanceAfter(*scene, 60, 40), 0.0015);   // told what real ones are, which err alike for long
+}
+
+TEST(Surgtrack_LandmarkFusion, coastsAndIsLost)
 {
     const Ptr<SyntheticScene> scene = sceneWithout(0);
     const Ptr<ToolModel> model = scene->model();
-    const Matx44d truth = scene->truePose(0, 0);
-    // 3 degrees and 6 mm at the tool
-    const Matx44d wrong = evaluation::rigid(rotationMatrix(Vec3d(0.03, -0.03, 0.03)) * rotationOf(truth), translationOf(truth) + Vec3d(0.004, -0.003, 0.0033));
     CameraPair cameras;
     cameras.left = scene->camera();
-    LandmarkFusion fusion(model, wrong * rigidInverse(truth) * scene->camera_T_base(0), cameras, 1);
-    EXPECT_EQ(STATE_INITIALIZING, fusion.state());
+    LandmarkFusion fusion(model, scene->camera_T_base(0), cameras, 1);
     RNG rng(19);
-    Vec3d off;
-    for (int frame = 0; frame < 30; frame++)
+    for (int frame = 0; frame < 90; frame++)
     {
         const double time = frame / 25.;
         fusion.predict(scene->trueJoints(0, time));
-        fusion.correct(landmarksOf(*scene, time, rng), time);
-        EXPECT_EQ(STATE_TRACKING, fusion.state());
-        off = translationOf(fusion.camera_T_tool(model)) - translationOf(scene->truePose(0, time));
+        fusion.correct(frame < 30 ? landmarksOf(*scene, time, rng) : std::vector<Landmark>(), time);
+        EXPECT_EQ(frame < 30 ? STATE_TRACKING : time - 29 / 25. > 2 ? STATE_LOST : STATE_COASTING, fusion.state()) << frame;
     }
-    EXPECT_LT(std::hypot(off[0], off[1]), 0.001);   // 8 px are 1 mm, in a single frame and of a single landmark
-    EXPECT_LT(std::abs(off[2]), 0.0045);            // three deviations: depth is seen by the size of the tool alone, 5 mm in a single frame
-    for (int frame = 30; frame < 90; frame++)
-    {
-        const double time = frame / 25.;
-        fusion.predict(scene->trueJoints(0, time));
-        fusion.correct(std::vector<Landmark>(), time);
-        EXPECT_EQ(time - 29 / 25. > 2 ? STATE_LOST : STATE_COASTING, fusion.state()) << frame;
-    }
+    EXPECT_LT(distance(scene->truePose(0, 89 / 25.), fusion.camera_T_tool(model)), 1e-9);   // it starts anew from the calibration, here the true one
 }
 
 // A poses file of the truth itself has no errors, and frames that it lacks are not covered.

@@ -7,6 +7,7 @@
 #include "test_common.hpp"
 #include "../samples/evaluation/baselines/forest.hpp"
 #include "../samples/evaluation/baselines/gradboost.hpp"
+#include "../samples/evaluation/baselines/options.hpp"
 
 namespace opencv_test { namespace {
 
@@ -118,6 +119,39 @@ TEST(Surgtrack_Boosting, earlyStoppingKeepsParts)
     EXPECT_GT(stopped, others / 2);
 }
 
+Ptr<SyntheticScene> smallScene(int seed, int frames, Size size)
+{
+    SyntheticScene::Params params;
+    params.seed = seed;
+    params.frames = frames;
+    params.imageSize = size;
+    return SyntheticScene::create(Ptr<ToolModel>(), params);
+}
+
+// Most of an image is given up at once; the detector is read from the file of the one that learnt.
+TEST(Surgtrack_GradBoost, bareTissueIsGivenUpEarly)
+{
+    const String folder = cv::tempfile("");
+    const Ptr<SyntheticScene> scene = smallScene(1, 30, Size(360, 288));
+    scene->write(folder);
+    const std::vector<String> parts(1, "shaft_pivot");
+    GradBoost learnt(parts, 100, true), detector(parts, 100, true);
+    learnt.train(Training(std::vector<String>(1, folder)), true);
+    utils::fs::remove_all(folder);
+    FileStorage file(".yml", FileStorage::WRITE | FileStorage::MEMORY);
+    learnt.write(file);
+    ASSERT_TRUE(detector.read(FileStorage(file.releaseAndGetString(), FileStorage::READ | FileStorage::MEMORY).root()));
+    Mat bare, withTools;
+    scene->renderArms(0, std::vector<std::vector<double> >(), std::vector<Matx44d>(), bare);
+    scene->render(0, withTools);
+    ASSERT_GT(cvtest::norm(bare, withTools, NORM_INF), 50);   // there are none
+    std::vector<PartMatch> matches;
+    detector.setImage(bare);
+    detector.detect(Rect(), 1, 5, matches);
+    EXPECT_LT(detector.meanRounds(), 0.1 * detector.rounds());
+    EXPECT_GE(detector.meanRounds(), 1);
+}
+
 void checkChannels(const Mat& image)
 {
     Channels channels;
@@ -198,16 +232,27 @@ TEST(Surgtrack_Covariance, isThatOfTheDefinition)
             double mean[9];
             Matx99d C, expected = Matx99d::zeros();
             covariances.covariance(places[i], size, mean, C);
-            const std::vector<Vec<double, 9> > values = valuesAbout(image, places[i], CovarianceImage::radius(size));
+            const int r = CovarianceImage::radius(size);
+            std::vector<Vec<double, 9> > values = valuesAbout(image, places[i], r);
             Vec<double, 9> average = Vec<double, 9>::all(0);
-            for (size_t k = 0; k < values.size(); k++)
+            for (int k = 0; k < (int)values.size(); k++)
+            {
+                const Point from(places[i].x - r + k % (2 * r + 1), places[i].y - r + k / (2 * r + 1));
+                Vec<double, 9> kept;
+                covariances.valuesAt(from.x + CovarianceImage::BORDER, from.y + CovarianceImage::BORDER, kept.val);
+                for (int j = 2; j < 9; j++)
+                {
+                    EXPECT_NEAR(values[k][j], kept[j], j < 8 ? 1e-6 : 1e-4);   // floats; the last is an angle of gradients of 1/1020 and more
+                    values[k][j] = kept[j];
+                }
                 average += values[k] * (1. / values.size());
+            }
             for (size_t k = 0; k < values.size(); k++)
                 expected += (values[k] - average) * (values[k] - average).t() * (1. / values.size());
             expected += Matx99d::eye() * 1e-3;
             for (int k = 2; k < 9; k++)
-                EXPECT_NEAR(average[k], mean[k], 1e-6);   // the values are kept as floats
-            EXPECT_LT(cv::norm(C - expected, NORM_INF), 1e-6) << places[i] << " " << size;
+                EXPECT_NEAR(average[k], mean[k], 1e-9 * std::max(1e-2, std::abs(average[k])));
+            EXPECT_LT(cv::norm(C - expected, NORM_INF), 1e-9 * cv::norm(expected, NORM_INF)) << places[i] << " " << size;
         }
 }
 
@@ -291,15 +336,9 @@ TEST(Surgtrack_Forest, learnsClustersAndComesFromItsFile)
 TEST(Surgtrack_Baselines, refuseToLearnFromTestedVideos)
 {
     const String root = cv::tempfile("");
-    SyntheticScene::Params params;
-    params.frames = 2;
-    params.imageSize = Size(160, 120);
     const String names[] = { "one", "worn", "copy", "other" };
     for (int i = 0; i < 4; i++)
-    {
-        params.seed = i == 3 ? 2 : 1;
-        SyntheticScene::create(Ptr<ToolModel>(), params)->write(utils::fs::join(root, names[i]));
-    }
+        smallScene(i == 3 ? 2 : 1, 2, Size(160, 120))->write(utils::fs::join(root, names[i]));
     const std::vector<String> tested(1, utils::fs::join(root, "one"));
     CameraPair cameras;
     cameras.left = Sequence::load(tested[0])->leftCamera();
@@ -324,6 +363,66 @@ TEST(Surgtrack_Baselines, refuseThoseOfTheEvaluation)
         EXPECT_ERROR(checkLeaks(std::vector<String>(1, utils::fs::join(folder, pairs[i][0])), std::vector<String>(1, utils::fs::join(folder, pairs[i][1]))),
                      pairs[i][1]);
     EXPECT_NO_THROW(checkLeaks(std::vector<String>(1, utils::fs::join(folder, "paper_rig")), std::vector<String>(1, utils::fs::join(folder, "exvivo_single"))));
+    BaselineOptions options;
+    options.leaveOut = true;
+    options.train.push_back(utils::fs::join(folder, "paper_rig"));
+    options.train.push_back(utils::fs::join(folder, "exvivo_single"));
+    EXPECT_EQ(std::vector<String>(1, options.train[1]), options.trainingFor(utils::fs::join(folder, "paper_rig_worn")));
+    EXPECT_EQ(std::vector<String>(1, options.train[0]), options.trainingFor(utils::fs::join(folder, "exvivo_single_realjoints")));
+}
+
+// Counts how often it learns.
+struct Learner
+{
+    String text;
+    int learnt, value;
+    explicit Learner(const String& constants) : text(constants), learnt(0), value(0) {}
+    String name() const { return "learner"; }
+    String constants() const { return text; }
+    void train(const Training&, bool)
+    {
+        learnt++;
+        value = 7;
+    }
+    void write(FileStorage& file) const { file << "value" << value; }
+    bool read(const FileNode& node)
+    {
+        node["value"] >> value;
+        return value == 7;
+    }
+};
+
+void checkLearner(const String& constants, const String& sequence, const String& models, int learnt)
+{
+    Learner learner(constants);
+    prepare(learner, Training(std::vector<String>(1, sequence)), models, true);
+    EXPECT_EQ(learnt, learner.learnt) << constants << " " << sequence;
+    EXPECT_EQ(7, learner.value);
+}
+
+// A model is learnt once for its constants and the files that it learns from.
+TEST(Surgtrack_Baselines, learnOnce)
+{
+    const String root = cv::tempfile(""), one = utils::fs::join(root, "one"), other = utils::fs::join(root, "other"), models = utils::fs::join(root, "models");
+    smallScene(1, 2, Size(160, 120))->write(one);
+    smallScene(2, 2, Size(160, 120))->write(other);
+    checkLearner("a", one, models, 1);
+    checkLearner("a", one, models, 0);
+    checkLearner("b", one, models, 1);
+    checkLearner("a", other, models, 1);
+    smallScene(3, 2, Size(160, 120))->write(one);   // other contents
+    checkLearner("a", one, models, 1);
+    std::vector<String> files;
+    utils::fs::glob(models, "*", files);
+    ASSERT_EQ(4u, files.size());   // and nothing half written
+    for (size_t i = 0; i < files.size(); i++)
+    {
+        EXPECT_NE(String::npos, files[i].find("learner-")) << files[i];
+        FileStorage file(files[i], FileStorage::WRITE);
+        file << "value" << 8;
+    }
+    EXPECT_ERROR(checkLearner("a", one, models, 0), "is no model of learner");
+    utils::fs::remove_all(root);
 }
 
 TEST(Surgtrack_Baselines, suppressesNeighbours)

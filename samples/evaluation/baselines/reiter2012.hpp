@@ -72,6 +72,7 @@ public:
         {
             renderers_[level] = PartTemplateRenderer::create(Ptr<MeshRenderer>(), drawing);
             renderers_[level]->addTool(model);
+            matching.spread = level == 0 ? 5 : 3;   // half of it at half the size: wider, small drawings win, of tools too far away
             matchers_[level] = QGOMatcher::create(matching);
         }
         cameras_[0] = camera;
@@ -221,7 +222,7 @@ public:
         renderer_ = MeshRenderer::createSoftware();
     }
 
-    //! @param frames at most so many are read; 0 = all. At most MOST_FRAMES of them, evenly spread, are looked at
+    //! @param frames at most so many are read; 0 = all. At most MOST_FRAMES of them, evenly spread and with truth, are looked at
     Run track(int frames, bool quiet)
     {
         PartFinder& finder = truths_.finder();   // of its reduced images
@@ -232,7 +233,7 @@ public:
         std::vector<std::vector<double> > joints;
         for (int frame = 0; (frames == 0 || frame < frames) && reader.read(image); frame++)
         {
-            if (frame % step)
+            if (frame % step || !truths_.read(frame))
                 continue;
             data_.joints(frame, joints);
             finder.setImage(image);

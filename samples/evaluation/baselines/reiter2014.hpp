@@ -28,13 +28,16 @@ public:
     enum { WIDEST = 120, NARROWEST = 20, NEAR = 20, CONFIRM = 3, LEAST = 3 };   // [pixel at 720 px width], frames, landmarks
 
     /** @param cameras of the images; the right one of size 0 x 0 if there is one eye
-    @param scale pixels of an image 720 pixel wide, see PartFinder::pixelScale() */
-    LandmarkFusion(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const CameraPair& cameras, double scale)
+    @param scale pixels of an image 720 pixel wide, see PartFinder::pixelScale()
+    @param noise of a landmark, were each frame's independent [pixel at 720 px width]. Within 40 px they scatter by 8.1 and 8.6 px an axis, on each
+    training video with the trees of the other, but err alike for long: correlations of 1 to 48 frames add up to 14 and 10, so that 22 to 29
+    frames tell as much as one: sqrt(25) times */
+    LandmarkFusion(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const CameraPair& cameras, double scale, double noise = 40)
         : cameras_(cameras), scale_(scale), state_(STATE_INITIALIZING), measured_(0), lastTime_(0)
     {
         ArticulatedPoseEKF::Params params;
         params.jointOffsets = false;
-        params.pointNoise = 12 * scale;   // of landmarks within 40 px, on each training video with the trees of the other: 11 and 12 px
+        params.pointNoise = noise * scale;
         const ToolPoseEKF::Params published;   // a calibration changes slowly, and landmarks are coarse
         params.processRotation = published.processRotation;
         params.processTranslation = published.processTranslation;
@@ -92,8 +95,10 @@ public:
         }
         else if (state_ != STATE_INITIALIZING)
             state_ = time - lastTime_ > 2 ? STATE_LOST : STATE_COASTING;
-        if (state_ == STATE_LOST)
-            measured_ = 0;
+        if (state_ != STATE_LOST)
+            return;
+        measured_ = 0;
+        filter_->reset();   // with what is believed of where it was, it would not be found elsewhere
     }
 
     Matx44d camera_T_tool(const Ptr<ToolModel>& model) const { return filter_->view().camera_T_base * model->endEffectorPose(filter_->joints()); }
@@ -148,7 +153,7 @@ public:
     }
 
 private:
-    //! A part that should be seen, and the best place for it.
+    //! A part that should be seen.
     struct Wanted
     {
         int tool, part, cls;
@@ -165,14 +170,11 @@ private:
             views.push_back(tools_[i]->view());
         }
         std::vector<std::vector<Landmark> > landmarks(tools_.size());
-        std::vector<std::pair<Landmark, int> > found;   // with its class
         left_->setImage(left);
         forest_.setImage(left_->pixels(Rect(Point(), cameras_.left.imageSize())));
         for (int tool = 0; tool < (int)tools_.size(); tool++)
         {
-            const std::vector<Wanted> wanted = wantedOf(views, tool);
-            for (size_t i = 0; i < wanted.size(); i++)
-                look(wanted[i], landmarks[tool]);
+            landmarks[tool] = look(wantedOf(views, tool), tool);
         }
         left_->release();
         if (right_)
@@ -195,58 +197,75 @@ private:
         return index < classes.size() ? (int)index + 1 : 0;
     }
 
-    //! Of each class the part that the drawing shows most of: a class does not know the side.
+    //! The parts that a drawing at the predicted pose shows.
     std::vector<Wanted> wantedOf(const std::vector<ToolView>& views, int tool)
     {
         PartDrawing drawing;
         left_->draw(views, tool, drawing);
-        std::map<int, const PartTemplate*> shown;
-        for (size_t i = 0; i < drawing.templates.size(); i++)
-        {
-            const PartTemplate& t = drawing.templates[i];
-            const int cls = classOf(tool, t.part);
-            if (cls > 0 && (!shown.count(cls) || shown[cls]->features.size() < t.features.size()))
-                shown[cls] = &t;
-        }
         std::vector<Wanted> wanted;
-        for (std::map<int, const PartTemplate*>::const_iterator it = shown.begin(); it != shown.end(); ++it)
+        for (size_t i = 0; i < drawing.templates.size(); i++)
         {
             Wanted w;
             w.tool = tool;
-            w.part = it->second->part;
-            w.cls = it->first;
+            w.part = drawing.templates[i].part;
+            w.cls = classOf(tool, w.part);
             double deviation;
             w.expected = tools_[tool]->expected(w.part, data_.tools[tool].model, deviation);
             w.half = tools_[tool]->halfWindow(deviation);
-            wanted.push_back(w);
+            if (w.cls > 0)
+                wanted.push_back(w);
         }
         return wanted;
     }
 
     static double gaussian(const Point2d& d, double sigma) { return std::exp(-d.dot(d) / (2 * sigma * sigma)); }
 
-    //! The best of five by posterior and distance; none if its posterior is low.
-    void look(const Wanted& w, std::vector<Landmark>& landmarks)
+    //! A place that may be a part.
+    struct Candidate
     {
-        const Rect window = Rect(Point(w.expected - Point2d(w.half, w.half)), Size(2 * cvRound(w.half) + 1, 2 * cvRound(w.half) + 1)) &
-                            Rect(Point(), cameras_.left.imageSize());
-        if (window.empty())
-            return;
-        std::vector<PartMatch> matches;
-        forest_.detect(window, w.cls, 5, matches);
-        const double near = LandmarkFusion::NEAR * tools_[w.tool]->scale();
-        double best = 0;
-        Landmark landmark = { w.part, Point2d(), Point2d(unknown(), unknown()) };
-        for (size_t i = 0; i < matches.size(); i++)
+        size_t wanted;
+        Point2d place;
+        double value;   //!< posterior, times less the farther it is from where the part is expected
+    };
+
+    /** Of five places a part the best; none if its posterior is low. A class does not know the side, so of two parts of a class, as the tips
+    of two jaws, each has a place of its own. */
+    std::vector<Landmark> look(const std::vector<Wanted>& wanted, int tool)
+    {
+        const double scale = tools_[tool]->scale();
+        std::vector<Candidate> candidates;
+        for (size_t i = 0; i < wanted.size(); i++)
         {
-            const double value = matches[i].similarity * gaussian(matches[i].imagePoint - w.expected, near);
-            if (matches[i].similarity < LEAST_POSTERIOR || value <= best)
-                continue;
-            best = value;
-            landmark.left = matches[i].imagePoint;
+            const Wanted& w = wanted[i];
+            const Rect window = Rect(Point(w.expected - Point2d(w.half, w.half)), Size(2 * cvRound(w.half) + 1, 2 * cvRound(w.half) + 1)) &
+                                Rect(Point(), cameras_.left.imageSize());
+            std::vector<PartMatch> matches;
+            if (!window.empty())
+                forest_.detect(window, w.cls, 5, matches);
+            for (size_t j = 0; j < matches.size(); j++)
+            {
+                const double near = gaussian(matches[j].imagePoint - w.expected, LandmarkFusion::NEAR * scale);
+                const Candidate candidate = { i, matches[j].imagePoint, matches[j].similarity * near };
+                if (matches[j].similarity >= LEAST_POSTERIOR)
+                    candidates.push_back(candidate);
+            }
         }
-        if (best > 0)
+        std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.value > b.value; });
+        std::vector<Landmark> landmarks;
+        std::vector<int> classes;   // of the landmarks
+        for (size_t i = 0; i < candidates.size(); i++)
+        {
+            const Wanted& w = wanted[candidates[i].wanted];
+            bool free = true;
+            for (size_t j = 0; j < landmarks.size(); j++)
+                free = free && landmarks[j].part != w.part && (classes[j] != w.cls || norm(landmarks[j].left - candidates[i].place) >= SUPPRESSION * scale);
+            if (!free)
+                continue;
+            const Landmark landmark = { w.part, candidates[i].place, Point2d(unknown(), unknown()) };
             landmarks.push_back(landmark);
+            classes.push_back(w.cls);
+        }
+        return landmarks;
     }
 
     //! On the epipolar line, between 20 mm in front of and behind where the landmark is expected.
