@@ -70,6 +70,47 @@ TEST_F(SurgTrack_ToolSetup, theSameToolGetsTheSameKeypoints)
     }
 }
 
+//! What is left of a tool whose meshes were written in another unit, turned by R, and put right by what reads them: rounding.
+Ptr<ToolModel> rewritten(double unit, const Matx33d& R, bool reversed)
+{
+    return bare([&](ToolModel::Description& tool)
+    {
+        for (size_t m = 0; m < tool.meshes.size(); m++)
+        {
+            Mesh& mesh = tool.meshes[m];
+            for (size_t i = 0; i < mesh.vertices.size(); i++)
+                mesh.vertices[i] = Point3f(R * (unit * Point3d(Point3f(R.t() * Point3d(mesh.vertices[i]) * (1 / unit)))));
+            for (size_t i = 0; i < mesh.triangles.size() && reversed; i++)   // as of a mesh that was mirrored
+                std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+            if (reversed)
+                std::reverse(mesh.triangles.begin(), mesh.triangles.end());
+        }
+    });
+}
+
+TEST_F(SurgTrack_ToolSetup, keypointsDoNotDependOnHowTheMeshesAreWritten)
+{
+    const struct { const char* what; double unit; Matx33d R; bool reversed; } ways[] = {
+        { "millimetres", 0.001, Matx33d::eye(), false },
+        { "centimetres", 0.01, Matx33d::eye(), false },
+        { "inches", 0.0254, Matx33d::eye(), false },
+        { "mirrored, another order", 1, Matx33d::diag(Vec3d(-1, 1, 1)), true },
+        { "a quarter turn", 0.001, Matx33d(0, -1, 0, 1, 0, 0, 0, 0, 1), false },
+        { "turned", 1, rotationMatrix(Vec3d(0.3, 0.7, -1.1)), false } };
+    const Ptr<ToolModel> expected = chooseKeypoints(bare());
+    for (size_t i = 0; i < sizeof(ways) / sizeof(ways[0]); i++)
+    {
+        const Ptr<ToolModel> model = chooseKeypoints(rewritten(ways[i].unit, ways[i].R, ways[i].reversed));
+        ASSERT_EQ(expected->keypoints().size(), model->keypoints().size()) << ways[i].what;
+        for (size_t k = 0; k < expected->keypoints().size(); k++)
+        {
+            EXPECT_EQ(expected->keypoints()[k].name, model->keypoints()[k].name) << ways[i].what;
+            // A vertex may be rounded to the next place, 1 micrometre away.
+            EXPECT_LT(cv::norm(expected->keypoints()[k].linkPoint - model->keypoints()[k].linkPoint), 2e-6) << ways[i].what << ", " << k;
+        }
+    }
+}
+
 TEST_F(SurgTrack_ToolSetup, toolsWithoutJawsAndWithOneThatSlidesGetKeypoints)
 {
     const Ptr<ToolModel> tools[] = {
@@ -174,8 +215,11 @@ TEST_F(SurgTrack_ToolSetup, checkSaysWhatIsWrong)
 
 TEST_F(SurgTrack_ToolSetup, sheetShowsTheToolEverywhere)
 {
-    const Ptr<ToolModel> models[] = { ToolModel::needleDriver(), ToolModel::curvedScissors(), bare() };
-    for (int i = 0; i < 3; i++)
+    const Ptr<ToolModel> models[] = { ToolModel::needleDriver(), ToolModel::curvedScissors(), bare(), bare([](ToolModel::Description& tool)
+    {
+        tool.link_T_endEffector(1, 3) -= 0.006;   // before the tips
+    }) };
+    for (int i = 0; i < 4; i++)
     {
         Mat sheet;
         drawToolSheet(models[i], sheet);
@@ -187,6 +231,7 @@ TEST_F(SurgTrack_ToolSetup, sheetShowsTheToolEverywhere)
                 Mat grey;
                 cvtColor(sheet(cell), grey, COLOR_BGR2GRAY);
                 EXPECT_GT(countNonZero(grey < 230), cell.area() / 40) << "the tool is in the cell";
+                EXPECT_EQ(0, countNonZero(grey.row(0) < 230) + countNonZero(grey.row(grey.rows - 1) < 230)) << "all of it, tool " << i << ", row " << row;
             }
     }
     Mat sheet;

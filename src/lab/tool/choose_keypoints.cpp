@@ -8,6 +8,7 @@
 #include "base/geometry.hpp"
 #include "lab/tool/keypoint_trial.hpp"
 #include "lab/tool/simplified.hpp"
+#include "lab/tool/surface.hpp"
 
 namespace cv { namespace surgtrack {
 
@@ -16,6 +17,7 @@ namespace {
 const double SPACING = 0.0015;      // of candidates [m]
 const double APART = 0.0022;        // of keypoints [m]: a fifth of a template's box; nearer ones are found and missed together
 const double SHAFT = 0.012;         // how much of the shaft belongs to it [m]: a template's box, and a little
+const double FARTHEST = 0.06;       // of candidates from the middle of wrist and jaws [m]: twice what instruments have; a tool in millimetres is soon done with
 const double CREASE = 35 * CV_PI / 180;   // sharper edges of a mesh are drawn as edges [rad]
 const int MOST = 200000;            // triangles: beyond it drawing takes too long
 const double CLEARLY = 1.001;       // halves of a tool are mirror images: the first of two alike, not the one that rounding prefers
@@ -40,12 +42,13 @@ bool isSharp(const Mesh& mesh, const Vec3i& a, const Vec3i& b)
     return p.dot(q) < std::cos(CREASE) * norm(p) * norm(q);
 }
 
-/* Places on a mesh, one in each cell of a grid: points of sharp edges first, else of the surface. */
+/* Places on a mesh, one in each cell of a grid: the point of its sharp edges nearest to the cell's middle, else that of its surface. So they are the
+same however its faces are cut into triangles. */
 class Places
 {
 public:
     Places(const Mesh& mesh, const Matx44d& base_T_link, const Point3d& centre, double reach)
-        : base_T_link_(base_T_link), centre_(centre), reach_(reach)
+        : centre_(transform(rigidInverse(base_T_link), centre)), reach_(reach)
     {
         typedef std::pair<Vec3f, Vec3f> Edge;   // by position: vertices at creases are there twice
         struct Less { bool operator()(const Edge& a, const Edge& b) const
@@ -57,62 +60,80 @@ public:
             return false;
         } };
         std::map<Edge, int, Less> edges;
-        std::vector<int> near;
-        for (size_t t = 0; t < mesh.triangles.size(); t++)
-            for (int k = 0; k < 3; k++)
-                if (isNear(mesh.vertices[mesh.triangles[t][k]]))
-                {
-                    near.push_back((int)t);
-                    break;
-                }
-        for (size_t i = 0; i < near.size(); i++)
+        for (int i = 0; i < (int)mesh.triangles.size(); i++)
+        {
+            const Vec3i& t = mesh.triangles[i];
+            const Vec3f corners[] = { Vec3f(mesh.vertices[t[0]]), Vec3f(mesh.vertices[t[1]]), Vec3f(mesh.vertices[t[2]]) };
+            if (!addAll(corners, 3))
+                continue;
             for (int k = 0; k < 3; k++)
             {
-                const Vec3i& t = mesh.triangles[near[i]];
-                const Vec3f a(mesh.vertices[t[k]]), b(mesh.vertices[t[(k + 1) % 3]]);
-                const bool turned = Less()(Edge(b, a), Edge(a, b));
-                const std::pair<typename std::map<Edge, int, Less>::iterator, bool> put = edges.insert(std::make_pair(turned ? Edge(b, a) : Edge(a, b), near[i]));
+                const Vec3f ends[] = { corners[k], corners[(k + 1) % 3] };
+                const Edge edge(ends[0], ends[1]), turned(ends[1], ends[0]);
+                const std::pair<typename std::map<Edge, int, Less>::iterator, bool> put = edges.insert(std::make_pair(Less()(turned, edge) ? turned : edge, i));
                 if (!put.second && isSharp(mesh, mesh.triangles[put.first->second], t))
-                    along(Point3d(Vec3d(a)), Point3d(Vec3d(b)));
+                    addAll(ends, 2);
             }
-        for (size_t i = 0; i < near.size(); i++)
-            across(mesh, mesh.triangles[near[i]]);
+        }
+        for (std::map<int64, Place>::const_iterator i = cells_.begin(); i != cells_.end(); ++i)
+            found.push_back(i->second.point);
     }
 
     std::vector<Point3d> found;
 
 private:
-    bool isNear(const Point3f& p) const { return norm(transform(base_T_link_, Point3d(p)) - centre_) < reach_; }
-
-    void add(const Point3d& p)
+    struct Place
     {
-        // Many points of a tool lie in planes of symmetry, at 0 but for rounding: no border of cells runs there.
-        const Vec3i cell(cvFloor(p.x / SPACING + 0.37), cvFloor(p.y / SPACING + 0.37), cvFloor(p.z / SPACING + 0.37));
+        double cost;
+        Point3d point;
+    };
+
+    //! Many points of a tool lie in planes of symmetry, at 0 but for rounding: no border of cells runs there.
+    static int cellAt(double x) { return cvFloor(x / SPACING + 0.37); }
+
+    //! The points of a triangle or an edge in all cells it goes through. @return false if it is far off
+    bool addAll(const Vec3f* corners, int count)
+    {
+        Vec3f low = corners[0], high = low;
+        for (int i = 1; i < count; i++)
+            for (int k = 0; k < 3; k++)
+            {
+                low[k] = std::min(low[k], corners[i][k]);
+                high[k] = std::max(high[k], corners[i][k]);
+            }
+        Vec3i first, last;
+        for (int k = 0; k < 3; k++)
+        {
+            first[k] = cellAt(std::max((double)low[k], Vec3d(centre_)[k] - reach_));
+            last[k] = cellAt(std::min((double)high[k], Vec3d(centre_)[k] + reach_));
+            if (first[k] > last[k])
+                return false;
+        }
+        Vec3i cell;
+        for (cell[0] = first[0]; cell[0] <= last[0]; cell[0]++)
+            for (cell[1] = first[1]; cell[1] <= last[1]; cell[1]++)
+                for (cell[2] = first[2]; cell[2] <= last[2]; cell[2]++)
+                    add(cell, corners, count);
+        return true;
+    }
+
+    void add(const Vec3i& cell, const Vec3f* corners, int count)
+    {
+        const Vec3d middle = (Vec3d(cell) + Vec3d::all(0.5 - 0.37)) * SPACING;
+        const Vec3d p = count == 2 ? nearestOnSegment(middle, corners[0], corners[1]) : nearestOnTriangle(middle, corners[0], corners[1], corners[2]);
+        const double off = norm(p - middle), outside = norm(p - middle, NORM_INF) - SPACING / 2;
+        if (outside > 0 || norm(Point3d(p) - centre_) > reach_)
+            return;
+        const Place place = { count == 2 ? off : off + SPACING, Point3d(p) };   // edges before surfaces
         const int64 key = ((int64)(cell[0] + 100000) * 200000 + cell[1] + 100000) * 200000 + cell[2] + 100000;
-        if (isNear(Point3f(p)) && cells_.insert(std::make_pair(key, 0)).second)
-            found.push_back(p);
+        const std::pair<std::map<int64, Place>::iterator, bool> put = cells_.insert(std::make_pair(key, place));
+        if (place.cost < put.first->second.cost)
+            put.first->second = place;
     }
 
-    void along(const Point3d& a, const Point3d& b)
-    {
-        const int steps = std::min(std::max(1, cvCeil(norm(b - a) / SPACING)), 100);
-        for (int i = 0; i < steps; i++)
-            add(a + (b - a) * ((i + 0.5) / steps));
-    }
-
-    void across(const Mesh& mesh, const Vec3i& t)
-    {
-        const Point3d a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
-        const int steps = std::min(std::max(1, cvCeil(std::max(norm(b - a), norm(c - a)) / SPACING)), 100);
-        for (int i = 0; i < steps; i++)
-            for (int k = 0; k + i < steps; k++)
-                add(a + (b - a) * ((i + 1. / 3) / steps) + (c - a) * ((k + 1. / 3) / steps));
-    }
-
-    Matx44d base_T_link_;
-    Point3d centre_;
+    Point3d centre_;   // in the link's frame
     double reach_;
-    std::map<int64, int> cells_;
+    std::map<int64, Place> cells_;
 };
 
 Ptr<ToolModel> withCandidates(const ToolModel& model, const ToolMotion& motion)
@@ -125,7 +146,7 @@ Ptr<ToolModel> withCandidates(const ToolModel& model, const ToolMotion& motion)
     {
         if (tool.links[i].mesh < 0)
             continue;
-        const Places places(tool.meshes[tool.links[i].mesh], base_T_link[i], motion.centre, motion.reach + SHAFT);
+        const Places places(tool.meshes[tool.links[i].mesh], base_T_link[i], motion.centre, std::min(motion.reach + SHAFT, FARTHEST));
         for (size_t k = 0; k < places.found.size(); k++)
         {
             ToolModel::Keypoint keypoint;
@@ -306,8 +327,7 @@ Ptr<ToolModel> chooseKeypoints(const Ptr<ToolModel>& model, int count)
     CV_CheckGE(count, LEAST, "count: of keypoints");
     if (model->meshes().empty())
         CV_Error(Error::StsBadArg, "tool '" + model->name() + "': expected meshes to choose keypoints on");
-    // On the shape as it came: what decimation leaves hangs on the last digit of the numbers, and so on the unit of the files.
-    const Ptr<ToolModel> shape = simplified(model, MOST);
+    const Ptr<ToolModel> shape = simplified(canonical(model), MOST);
     const ToolMotion motion(*shape);
     Ptr<ToolModel> all = withCandidates(*shape, motion);
 

@@ -12,6 +12,10 @@ namespace cv { namespace surgtrack {
 //! The tool with at most so many triangles, as ToolModel::load() has it.
 Ptr<ToolModel> simplified(const Ptr<ToolModel>& model, int maxTriangles);
 
+/** The tool with meshes that do not depend on how their files have them: in which unit, mirrored or turned (and put right by what places them), in which
+order, wound to which side. Vertices move by half a micrometre at most an axis. */
+Ptr<ToolModel> canonical(const Ptr<ToolModel>& model);
+
 }} // namespace cv::surgtrack
 
 #endif

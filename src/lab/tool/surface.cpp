@@ -7,19 +7,20 @@
 
 namespace cv { namespace surgtrack {
 
-static double toSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b)
+Vec3d nearestOnSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b)
 {
     const Vec3d d = b - a;
-    const double along = std::min(std::max((p - a).dot(d) / std::max(d.dot(d), DBL_MIN), 0.), 1.);
-    return norm(p - a - d * along);
+    return a + d * std::min(std::max((p - a).dot(d) / std::max(d.dot(d), DBL_MIN), 0.), 1.);
 }
 
-static double toTriangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c)
+Vec3d nearestOnTriangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c)
 {
     const Vec3d n = (b - a).cross(c - a);
-    const double edges = std::min(toSegment(p, a, b), std::min(toSegment(p, b, c), toSegment(p, c, a)));
     const bool above = n.dot((b - a).cross(p - a)) >= 0 && n.dot((c - b).cross(p - b)) >= 0 && n.dot((a - c).cross(p - c)) >= 0;
-    return above && norm(n) > 0 ? std::abs(n.dot(p - a)) / norm(n) : edges;
+    if (above && norm(n) > 0)
+        return p - n * (n.dot(p - a) / n.dot(n));
+    const Vec3d edges[] = { nearestOnSegment(p, a, b), nearestOnSegment(p, b, c), nearestOnSegment(p, c, a) };
+    return *std::min_element(edges, edges + 3, [&](const Vec3d& u, const Vec3d& v) { return norm(u - p) < norm(v - p); });
 }
 
 double distanceTo(const Mesh& mesh, const Point3d& point)
@@ -28,7 +29,8 @@ double distanceTo(const Mesh& mesh, const Point3d& point)
     for (size_t i = 0; i < mesh.triangles.size(); i++)
     {
         const Vec3i& t = mesh.triangles[i];
-        nearest = std::min(nearest, toTriangle(Vec3d(point), Vec3d(Point3d(mesh.vertices[t[0]])), Vec3d(Point3d(mesh.vertices[t[1]])), Vec3d(Point3d(mesh.vertices[t[2]]))));
+        const Vec3d on = nearestOnTriangle(Vec3d(point), Vec3d(Point3d(mesh.vertices[t[0]])), Vec3d(Point3d(mesh.vertices[t[1]])), Vec3d(Point3d(mesh.vertices[t[2]])));
+        nearest = std::min(nearest, norm(on - Vec3d(point)));
     }
     return nearest;
 }

@@ -29,8 +29,25 @@ public:
     explicit ToolSheet(const Ptr<ToolModel>& model)
         : model_(model), motion_(*model), renderer_(MeshRenderer::createSoftware()), distance_(0.3)
     {
-        // The nearest of what is shown, 12 mm of shaft with it, fills the cell.
-        const double focal = 0.47 * CELL * distance_ / (motion_.reach + 0.012), middle = (CELL - 1) / 2.;
+        // What lies beyond the shaft fits into the cell at all settings, 12 mm of shaft with it.
+        double along = motion_.reach + 0.012, across = 0;
+        const std::vector<int> depth = motion_.wristDepth(*model);
+        for (int row = 0; row < ROWS; row++)
+        {
+            std::vector<Matx44d> base_T_link;
+            model->forwardKinematics(setting(row), base_T_link);
+            for (size_t i = 0; i < depth.size(); i++)
+            {
+                const int mesh = model->links()[i].mesh;
+                for (size_t k = 0; depth[i] > 0 && mesh >= 0 && k < model->meshes()[mesh].vertices.size(); k++)
+                {
+                    const Vec3d v(transform(base_T_link[i], Point3d(model->meshes()[mesh].vertices[k])) - motion_.centre);
+                    along = std::max(along, v.dot(motion_.shaft));
+                    across = std::max(across, norm(v.cross(motion_.shaft)));
+                }
+            }
+        }
+        const double focal = distance_ * std::min(0.47 * CELL / along, 0.47 * HIGH / std::max(across, 1e-3)), middle = (CELL - 1) / 2.;
         camera_ = CameraModel(Matx33d(focal, 0, middle, 0, focal, (HIGH - 1) / 2., 0, 0, 1), noArray(), Size(CELL, HIGH));
         pixelsPerMetre_ = focal / distance_;
     }
@@ -71,7 +88,7 @@ private:
             write(sheet_, sides[c], Point(c * CELL + 6, HEAD - 8), PALE);
         const int right = COLUMNS * CELL - 10, left = right - cvRound(0.01 * pixelsPerMetre_);
         line(sheet_, Point(left, 24), Point(right, 24), INK, 2);
-        write(sheet_, "10 mm", Point(left, 18));
+        write(sheet_, "10 mm", Point(right - 44, 18));
         write(sheet_, "end effector x", Point(left - 330, 20), Scalar(0, 0, 200));
         write(sheet_, "y", Point(left - 220, 20), Scalar(0, 140, 0));
         write(sheet_, "z", Point(left - 200, 20), Scalar(200, 0, 0));
