@@ -744,6 +744,9 @@ TEST(SurgTrack_ArticulatedEKF, edgesBeyondTheToleranceAreLeftOut)
     const Bench bench(PosedTool(0.1));
     ArticulatedPoseEKF::Params params;
     params.contourNoise = 1;
+    params.initialRotation = params.initialTranslation = 1e-7;   // a state that is known tolerates nothing
+    params.processRotation = params.processTranslation = params.delay = 0;
+    params.jointOffsets = false;
     Ptr<ArticulatedPoseEKF> filter = bench.filter(params);
     filter->predict(bench.readings());
     std::vector<ContourPoint> points = outlineOf(camera, filter->view().camera_T_base, bench.readings());
@@ -760,6 +763,12 @@ TEST(SurgTrack_ArticulatedEKF, edgesBeyondTheToleranceAreLeftOut)
     for (size_t i = 0; i < points.size(); i++) expected += i % 4 == 1 || i % 4 == 2;
     EXPECT_EQ(expected, filter->addContour(camera, SAME_EYE, points, 3));
     EXPECT_TRUE(filter->solve());
+
+    // A tool that may be a centimetre elsewhere has its edges so far away.
+    filter = bench.filter();
+    filter->predict(bench.readings());
+    filter->begin();
+    EXPECT_EQ(int(points.size()) * 3 / 4, filter->addContour(camera, SAME_EYE, points, 3));
 
     // Correlated neighbours: thirty of them tell as much as one.
     for (ContourPoint& c : points) c.found = true, c.offset = 0;

@@ -198,8 +198,8 @@ int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d&
         const SeenVector g = (c.normal.x * H.row(0) + c.normal.y * H.row(1)).transpose();
         const double r = c.normal.dot(c.imagePoint + c.normal * c.offset - h);   // of the state; robust about it
         const double sigma2 = std::pow(params_.contourNoise * c.deviation, 2), left = r - edgeBias(c.clipped);
-        if (!(left * left <= 9 * (sigma2 + tolerance * tolerance))) continue;
         const double scale = tolerance * tolerance + g.dot(known * g);   // what is not known of the state moves edges, too
+        if (!(left * left <= 9 * (sigma2 + scale))) continue;
         const double w = 1 / (std::pow(1 + left * left / (4 * sigma2 + scale), 2) * sigma2 * params_.contourCorrelation);
         const double z = r + g.dot(seenMoved_);
         A_.noalias() += w * g * g.transpose();

@@ -253,7 +253,7 @@ void FullMethod::conclude(const Scene& scene, bool seen)
         if (searched_ && state_ == STATE_TRACKING) state_ = STATE_COASTING;   // found elsewhere: to be confirmed
         const bool followed = !searched_ && (state_ == STATE_TRACKING || (state_ == STATE_COASTING && own + past >= thresholds_.sure));
         logOdds_ = own + past;
-        const bool unsure = (rival_.frames > 0 && rival_.lead > thresholds_.seriousLead) || evidence_.isBlinded();   // one of two, or of a whole range of depths
+        const bool unsure = (isTorn() && rival_.lead > thresholds_.seriousLead) || evidence_.isBlinded();   // one of two, or of a whole range of depths
         if (unsure && (followed || sure || confirmed || state_ == STATE_TRACKING)) state_ = STATE_COASTING;
         else if (followed || sure || confirmed)
         {
@@ -346,7 +346,7 @@ void FullMethod::report(ToolEstimate& e) const
     e.joints = filter_->joints();
     e.delay = filter_->delay();
     e.confidence = isSeen_ ? probability(logOdds_) : 0;
-    if (rival_.frames > 0) e.confidence *= probability(-rival_.lead);
+    if (isTorn()) e.confidence *= probability(-rival_.lead);
     if (evidence_.isBlinded()) e.confidence *= 1 - evidence_.white;
 }
 

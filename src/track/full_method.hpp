@@ -102,6 +102,8 @@ private:
     bool isDisputed(const Scene& scene);
     void followRival(Scene& scene);
     void judgeRival();
+    //! Between two poses of which only one can be right.
+    bool isTorn() const;
     void spanRival(Matx66d& covariance) const;
     void dropPoints(Scene& scene);
     int addPoints(Scene& scene, size_t eyes, double tolerance);

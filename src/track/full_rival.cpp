@@ -15,6 +15,7 @@ const double cameraTurn = CV_PI / 360, cameraShift = 0.001;   // another tool's 
 const double disputed = 0.002;         // estimates of the camera's motion by two tools differ by as much, from one posture to another [m]
 const int disputedFrames = 2;
 const double apart = 0.001;            // poses that are nearer to each other are the same [m]
+const double serious = 0.003;          // of two poses that are nearer both may count as right: within 5 mm, of which their own errors take some [m]
 const int rivalFrames = 25;            // that two poses are followed at most: a second
 
 void forgetPose(Matx<double, ArticulatedPoseEKF::MAX_STATES, ArticulatedPoseEKF::MAX_STATES>& covariance)
@@ -115,6 +116,8 @@ void FullMethod::followRival(Scene& scene)
     keepPose(rival_.pose);
     filter_->setState(believed);
 }
+
+bool FullMethod::isTorn() const { return rival_.frames > 0 && distance(rival_.pose) > serious; }
 
 // The covariance of a mixture of the two.
 void FullMethod::spanRival(Matx66d& covariance) const

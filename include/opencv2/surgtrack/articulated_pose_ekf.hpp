@@ -127,7 +127,7 @@ public:
     @param camera that saw them
     @param eye_T_camera see addPoints()
     @param points those found are taken
-    @param tolerance edges that are farther off than this (and than the gate of three deviations) count little [pixel]
+    @param tolerance edges that are farther off than this, their noise and what is not known of the state explain count little, beyond three times of it nothing [pixel]
     @return how many passed */
     CV_WRAP virtual int addContour(const CameraModel& camera, const Matx44d& eye_T_camera, const std::vector<ContourPoint>& points,
                                    double tolerance) = 0;
