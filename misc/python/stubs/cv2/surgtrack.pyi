@@ -916,6 +916,20 @@ def matchContour(image: NDArray[Any], points: _Sequence[ContourPoint], search: C
     """
     ...
 
+class ReadingErrors:
+    """What METHOD_FULL has learnt of what is wrong with the readings of a tool's joints: constants that are the robot's and its
+    instrument's and will be the same tomorrow. ToolTracker.readingErrors(), setReadingErrors(); files: readToolState(), writeToolState().
+    """
+    def __init__(self) -> None: ...
+    names: Tuple[str, ...]
+    """of the constants: a coordinate and `offset`, `gain`, `play` or `coupling`, as `wrist_yaw gain`; `delay`"""
+    values: NDArray[np.float64]
+    """of each [rad or m, of the travel, rad, of the travel, s]"""
+    covariance: NDArray[Any]
+    """CV_64F, of the values; empty: nothing is known"""
+    reference: NDArray[np.float64]
+    """one per coordinate: readings that travel is counted from [rad or m]"""
+
 class ArticulatedPoseEKF:
     """The filter of METHOD_FULL: the error of the hand-eye calibration and those of the joint readings.
 
@@ -938,7 +952,7 @@ class ArticulatedPoseEKF:
         processTranslation: float
         """the same [m]"""
         processJoint: float
-        """the same, of what is wrong with the joints' readings, as a share of its prior deviation; offsets, a fifth of it the others"""
+        """the same, of what is wrong with the joints' readings, as a share of its prior deviation; of offsets, which take up what the others do not explain: theirs is a fifth"""
         gain: float
         """prior standard deviation of a turning joint's gain, of its travel; 0 = none, as of the next two; defaults: what a real PSM had"""
         play: float
@@ -1024,7 +1038,7 @@ class ArticulatedPoseEKF:
         camera: that saw them
         eye_T_camera: see addPoints()
         points: those found are taken
-        tolerance: edges that are farther off than this (and than the gate of three deviations) count little [pixel]
+        tolerance: edges that are farther off than this, their noise and what is not known of the state explain count little, beyond three times of it nothing [pixel]
         Returns: how many passed
         """
         ...
@@ -1046,6 +1060,17 @@ class ArticulatedPoseEKF:
         """Makes another filter of the same tool what this one is.
 
         other: changes
+        """
+        ...
+    def readingErrors(self) -> ReadingErrors:
+        """The constants of the readings' errors."""
+        ...
+    def setReadingErrors(self, errors: ReadingErrors) -> None:
+        """What was learnt of them before: where reset() begins, in place of nothing; calls it. Offsets and the delay may have changed since
+        by as much as they are unknown by without this.
+
+        errors: of the same tool, as readingErrors() gave them; without names: nothing is known
+        Raises cv2.error for other constants than those of this filter, numbers that are not finite, and a covariance that is none
         """
         ...
     def setHandEye(self, nominal_T_base: NDArray[np.float64]) -> None:
@@ -1344,6 +1369,20 @@ class ToolTracker:
         calibrations, move in its frame; the next frame goes on from there. Moves that are not told are found, too, if they are small.
 
         now_T_before: pose of the camera at the last frame in its frame now [m]
+        """
+        ...
+    def readingErrors(self, tool: int) -> ReadingErrors:
+        """What was learnt of the errors of a tool's joint readings, METHOD_FULL; else nothing.
+
+        tool: index
+        """
+        ...
+    def setReadingErrors(self, tool: int, errors: ReadingErrors) -> None:
+        """The same of another day: a robot's play does not change overnight. The tool begins anew with it, also after reset().
+
+        tool: index
+        errors: of the same instrument on the same arm, see ArticulatedPoseEKF.setReadingErrors()
+        Raises cv2.error for another method than METHOD_FULL, and errors of another tool
         """
         ...
     def reset(self, tool: int = ...) -> None:
@@ -1854,7 +1893,9 @@ class SyntheticScene:
         handEyeTranslation: float
         """the same [m], at the tool"""
         jointNoise: float
-        """scale of the joint errors: 1 = 0.006 rad and 0.6 mm at the arm, 0.02 rad at the wrist, 0.03 rad at the jaw; 0 = exact"""
+        """scale of offsets and noise of the joints: 1 = 0.006 rad and 0.6 mm at the arm, 0.02 rad at the wrist, 0.03 rad at the jaw; 0 = none"""
+        cables: float
+        """scale of what the cables of wrist and jaws add: 1 = as measured on a real arm, play of 0.02 rad, gains of 2 %, a coupling of pitch into yaw of 0.09; 0 (default) = nothing"""
         imageNoise: float
         """standard deviation of the sensor noise [grey levels]"""
         distortion: bool
@@ -2665,5 +2706,25 @@ def setTrackerParam(name: str, value: str, params: ToolTracker.Params, stages: T
     value: as text: a number; 0, 1, false or true for a flag
     params, stages: changed
     Raises cv2.error naming the parameter, and what it may be or what there is instead
+    """
+    ...
+
+def readToolState(filename: str, tool: str) -> ReadingErrors:
+    """What was learnt of tools, as writeToolState() wrote it.
+
+    filename: YAML, XML or JSON
+    tool: name of the tool in its sequence
+    Returns: without names if the file does not name the tool
+    Raises cv2.error naming file and key
+    """
+    ...
+
+def writeToolState(filename: str, tools: _Sequence[str], errors: _Sequence[ReadingErrors]) -> None:
+    """Writes what was learnt of tools.
+
+    filename: YAML, XML or JSON by its ending
+    tools: their names, each once
+    errors: ToolTracker.readingErrors() of each
+    Raises cv2.error naming the file if it can't be written; what was there before still is
     """
     ...
