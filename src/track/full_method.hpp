@@ -64,6 +64,7 @@ public:
         filter_->setState(placed_);
     }
     void measure(Scene& scene, const PartDrawing* ahead) CV_OVERRIDE;
+    double sureness() const CV_OVERRIDE { return state_ == STATE_TRACKING ? evidence_.logOdds() : -DBL_MAX; }
     const ToolView& view() const CV_OVERRIDE { return filter_->view(); }
     void report(ToolEstimate& estimate) const CV_OVERRIDE;
     ReadingErrors readingErrors() const CV_OVERRIDE { return filter_->readingErrors(); }

@@ -83,8 +83,8 @@ public:
     const Matx44d& correction() const { return correction_; }
     const Matx44d& calibration() const { return calibration_; }
     int state() const { return state_; }
-    //! By the evidence of the frame before.
-    double sureness() const { return state_ == STATE_TRACKING ? evidence_.logOdds() : -DBL_MAX; }
+    //! How sure its pose of the frame before is, beside those of other tools.
+    virtual double sureness() const { return 0; }
     bool isLocated() const { return !starts() && state_ != STATE_LOST; }
     //! Where a tool is not known yet, nothing can be drawn ahead.
     bool usesDrawnAhead() const { return !settles() && state_ != STATE_LOST; }
