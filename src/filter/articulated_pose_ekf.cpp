@@ -337,7 +337,7 @@ Mat ArticulatedPoseEKFImpl::covariance() const
     Mat_<double> result(n, n);
     for (int r = 0; r < n; r++)
         for (int c = 0; c < n; c++) result(r, c) = P(r, c);
-    return std::move(result);
+    return Mat(result);
 }
 
 Ptr<ArticulatedPoseEKF> ArticulatedPoseEKF::create(const Ptr<ToolModel>& model, const Matx44d& nominal_T_base, const Params& params)
