@@ -24,12 +24,12 @@ HEADERS = {   # of include/opencv2/surgtrack: whose they are
     'model': 'camera tool_model tool_view tracking_state part_match tool_estimate',
     'render': 'mesh_renderer',
     'detect': 'part_templates qgo qgo_matcher geometric_context part_finder contour',
-    'filter': 'tool_pose_ekf articulated_pose_ekf',
+    'filter': 'tool_pose_ekf articulated_pose_ekf reading_errors',
     'files': 'sequence',
     'track': 'tool_tracker',
     'draw': 'draw',
     'vtk': 'scene_view',
-    'lab': 'synthetic hand_eye time_offset import tool_setup live pose_score setup_check tracker_params lab',
+    'lab': 'synthetic hand_eye time_offset import tool_setup live pose_score setup_check tracker_params tool_state lab',
 }
 LONGEST = 400
 PUBLIC = 'opencv2/surgtrack/'
