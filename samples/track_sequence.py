@@ -129,7 +129,11 @@ class Run:
             self.tools.append(Tool(info, models[info.model]))
         if args.tool_state and os.path.isfile(args.tool_state):
             for i, tool in enumerate(self.tools):
-                self.tracker.setReadingErrors(i, st.readToolState(args.tool_state, tool.info.name))
+                errors = st.readToolState(args.tool_state, tool.info.name)
+                try:
+                    self.tracker.setReadingErrors(i, errors)
+                except cv.error as e:
+                    raise Failure("%s: tool '%s': %s" % (args.tool_state, tool.info.name, e.err))
         self.renderer = st.MeshRenderer.createSoftware()    # of the overlay
         self.scorer = None
         if self.sequence.hasGroundTruth():

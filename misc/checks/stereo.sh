@@ -41,6 +41,11 @@ run_stereo() {
   sample "--check names exchanged eyes" names_exchanged_eyes "$track" --sequence="$work/exchanged" --check
   sample "--check of track_sequence.py, too" names_exchanged_eyes "${python[@]}" --sequence="$work/exchanged" --check
 
+  sample "what is learnt of joints is kept" "$track" --sequence="$work/stereo" --frames=10 --tool-state="$work/state.yaml" --quiet
+  sample "and read, in Python" "${python[@]}" --sequence="$work/stereo" --frames=3 --tool-state="$work/state.yaml" --quiet
+  sed 's/q6 gain/q9 gain/' "$work/state.yaml" >"$work/other.yaml"
+  sample "refused: that of another tool" refuses "other.yaml: tool 'PSM1': errors.names" "$track" --sequence="$work/stereo" --tool-state="$work/other.yaml"
+  sample "refused: the same in Python" refuses "other.yaml: tool 'PSM1': errors.names" "${python[@]}" --sequence="$work/stereo" --tool-state="$work/other.yaml"
   sample "refused: two eyes without the method for it" refuses "--method=full" "$track" --sequence="$work/stereo" --stereo --method=paper
   sample "refused: two eyes of a sequence with one" refuses "right_T_left" "$track" --sequence="$work/sequence" --stereo
   sample "make_sequence, a shorter one" limited "$make" --out="$work/short" --frames=5 --stereo --distortion --seed=5

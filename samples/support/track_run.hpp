@@ -40,7 +40,17 @@ inline void readState(TrackRun& run, const String& filename)
     if (filename.empty() || !utils::fs::exists(filename))
         return;
     for (size_t i = 0; i < run.tools.size(); i++)
-        run.tracker->setReadingErrors((int)i, readToolState(filename, run.tools[i].info.name));
+    {
+        const ReadingErrors errors = readToolState(filename, run.tools[i].info.name);
+        try
+        {
+            run.tracker->setReadingErrors((int)i, errors);
+        }
+        catch (const Exception& e)
+        {
+            fail(filename + ": tool '" + run.tools[i].info.name + "': " + e.err);
+        }
+    }
 }
 
 inline void writeState(const TrackRun& run, const String& filename)
