@@ -195,13 +195,7 @@ TEST(SurgTrack_JointErrors, ofAnotherToolAreRefused)
 TEST(SurgTrack_JointErrors, priorsOfTheToolFileReplaceTheDefaults)
 {
     const Ptr<ToolModel> driver = ToolModel::needleDriver();
-    ToolModel::Description d;
-    d.name = driver->name();
-    d.coordinates = driver->coordinateNames();
-    d.links = driver->links();
-    d.meshes = driver->meshes();
-    d.keypoints = driver->keypoints();
-    d.endEffectorLink = driver->endEffectorLink();
+    ToolModel::Description d = driver->description();
     for (ToolModel::Link& link : d.links)
     {
         if (link.coordinate == driver->coordinateIndex("q5")) link.gainDeviation = 0.2;

@@ -186,7 +186,7 @@ int ArticulatedPoseEKFImpl::addContour(const CameraModel& camera, const Matx44d&
         if (points[i].found && !(points[i].deviation > 0)) CV_Error(Error::StsBadArg, "points: an edge needs a positive deviation");
         CV_Check(points[i].link, points[i].link >= 0 && points[i].link < int(axes_.size()), "points: of another tool, no such link");
     }
-    const SeenMatrix known = stateSeen();
+    const SeenMatrix& known = stateSeen();
     int passed = 0;
     for (size_t i = 0; i < points.size(); i++)
     {

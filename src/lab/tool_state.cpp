@@ -4,7 +4,6 @@
 
 #include "precomp.hpp"
 #include "opencv2/surgtrack/tool_state.hpp"
-#include "base/checks.hpp"
 #include "files/node_reader.hpp"
 #include "files/text_file.hpp"
 

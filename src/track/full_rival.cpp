@@ -11,9 +11,10 @@ namespace cv { namespace surgtrack {
 namespace {
 
 const double depthStep = 0.003;        // [m]; half of what the two basins of depth were apart where they were seen
-const double cameraTurn = CV_PI / 360, cameraShift = 0.001;   // another tool's correction tells the camera's motion so well [rad], [m]
+// Another tool's correction tells the camera's motion so well: half of what two tools differ by before it is disputed [rad], [m].
+const double cameraTurn = CV_PI / 360, cameraShift = 0.001;
 const double disputed = 0.002;         // estimates of the camera's motion by two tools differ by as much, from one posture to another [m]
-const int disputedFrames = 2;
+const int disputedFrames = 2;          // each second is looked at once more: it costs as much as the frame
 const double apart = 0.001;            // poses that are nearer to each other are the same [m]
 const double serious = 0.003;          // of two poses that are nearer both may count as right: within 5 mm, of which their own errors take some [m]
 const int rivalFrames = 25;            // that two poses are followed at most: a second
@@ -52,16 +53,22 @@ bool FullMethod::displace(const Scene& scene, const ArticulatedPoseEKF::State& p
     ArticulatedPoseEKF::State moved = predicted;
     Matx44d& correction = moved.predicted.correction;
     const Point3d at = transform(correction, nominalPoints_[0]);
-    if (where != CAMERA) correction = rigidTransform(Matx33d::eye(), at * ((where == NEARER ? -1 : 1) * depthStep / norm(at))) * correction;
+    double turn = 0, shift = 0;   // that it is not known by
+    if (where != CAMERA)
+    {
+        correction = rigidTransform(Matx33d::eye(), at * ((where == NEARER ? -1 : 1) * depthStep / norm(at))) * correction;
+        shift = depthStep;
+    }
     else if (steps) correction = scene.cameraStep * correction;
     else
     {
         correction = scene.cameraMotion * settled_;
         forgetPose(moved.predicted.covariance);
+        turn = cameraTurn;
+        shift = cameraShift;
     }
     filter_->setState(moved);
-    const bool known = where == CAMERA;
-    filter_->inflate(known && !steps ? cameraTurn : 0, known ? (steps ? 0 : cameraShift) : depthStep);
+    filter_->inflate(turn, shift);
     return true;
 }
 
