@@ -89,6 +89,7 @@ public:
         });
         learn(values, labels, quiet);
         early_ = early;
+        looked_ = places_ = 0;   // meanRounds() is of images that it did not learn from
     }
     void write(FileStorage& file) const CV_OVERRIDE { boosting_.write(file); }
     bool read(const FileNode& node) CV_OVERRIDE { return boosting_.read(node) && boosting_.classes() == classCount(); }
