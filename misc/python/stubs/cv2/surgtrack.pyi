@@ -1070,7 +1070,7 @@ class ArticulatedPoseEKF:
         by as much as they are unknown by without this.
 
         errors: of the same tool, as readingErrors() gave them; without names: nothing is known
-        Raises cv2.error for other constants than those of this filter, numbers that are not finite, and a covariance that is none
+        Raises cv2.error for other constants than those of this filter, numbers beyond 1e4, and a covariance that is none
         """
         ...
     def setHandEye(self, nominal_T_base: NDArray[np.float64]) -> None:
