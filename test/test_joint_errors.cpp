@@ -182,10 +182,10 @@ TEST(SurgTrack_JointErrors, ofAnotherToolAreRefused)
     bad.values[1] = bad.reference[1] = 1e200;   // numbers, of which squares are none
     EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
     bad = good;
-    bad.covariance = good.covariance * 1e200;
+    bad.covariance = Mat(good.covariance * 1e200);   // bad and good share theirs
     EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
     bad = good;
-    bad.covariance = Mat(-good.covariance);   // bad and good share theirs
+    bad.covariance = Mat(-good.covariance);
     EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
     bad = good;
     bad.covariance = good.covariance(Range(0, 2), Range(0, 2)).clone();
