@@ -376,7 +376,10 @@ void writeHandEye(const String& sequence, const String& tool, const Matx44d& cam
     {
         if (node.isMap()) node >> written;
     }
-    catch (const Exception&) {}   // a map, but no matrix
+    catch (const Exception&)   // a map, but no matrix, or one of other numbers: room for them is made before they are read
+    {
+        written.release();
+    }
     const String key = format("/tools/%d/camera_T_base", index);
     if (written.size() != Size(4, 4) || written.type() != CV_64F || Matx44d(written.ptr<double>()) != camera_T_base
         || !sameNodes(storage.root(), check.root(), "", key))
