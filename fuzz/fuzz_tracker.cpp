@@ -155,6 +155,17 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
                 }
                 break;
             case 8: tracker->renderAhead(joints); break;
+            case 9:
+            {
+                ReadingErrors errors = tracker->readingErrors(0);
+                errors.covariance = errors.covariance.clone();
+                const int n = (int)errors.values.size();
+                if (n > 0) errors.values[bytes.next(n)] = bytes.number(0.01);
+                if (n > 0) errors.covariance.at<double>(bytes.next(n * n)) = bytes.number(0.01);
+                if (n > 0) errors.reference[bytes.next((int)errors.reference.size())] = bytes.number(0.01);
+                tracker->setReadingErrors(0, errors);
+                break;
+            }
             default:
             {
                 frame = (frame + 1) % frames;

@@ -363,6 +363,24 @@ TEST(SurgTrack_HostileFiles, whatIsReplacedMustBeAMatrix)
                                [](const std::string& name) { writeHandEye(name, "A", Matx44d::eye()); })) << poses[i];
 }
 
+// Of a matrix without its numbers nothing is taken: room for them, with what is in it, was there before they were read.
+TEST(SurgTrack_HostileFiles, matricesNeedTheirNumbers)
+{
+    const auto matrix = [](const char* name, int rows, int cols, const char* data)
+    { return format("<%s type_id=\"opencv-matrix\"><rows>%d</rows><cols>%d</cols><dt>d</dt><data>%s</data></%s>", name, rows, cols, data, name); };
+    const std::string begin = "<?xml version=\"1.0\"?>\n<opencv_storage>\n", end = "\n</opencv_storage>\n";
+    const std::string K = matrix("camera_matrix", 3, 3, "800. 0. 320. 0. 810. 240. 0. 0. 1."), size = "<image_width>640</image_width><image_height>480</image_height>";
+    const auto cameras = [](const std::string& name) { importOpenCVCameras({name}); };
+    const auto handEye = [](const std::string& name) { importDaVinciHandEye(name, "T"); };
+    EXPECT_EQ("", answerTo(begin + size + K + matrix("distortion_coefficients", 5, 1, "0. 0. 0. 0. 0.") + end, ".xml", cameras));
+    for (int i = 0; i < 20; i++)   // memory may hold what it held the time before
+    {
+        EXPECT_REFUSED(answerTo(begin + size + matrix("camera_matrix", 3, 3, "800. 0.") + end, ".xml", cameras), "expected a matrix");
+        EXPECT_REFUSED(answerTo(begin + size + K + matrix("distortion_coefficients", 5, 1, "0.1 0.1") + end, ".xml", cameras), "expected a matrix");
+        EXPECT_REFUSED(answerTo(begin + matrix("T", 4, 4, "1. 0. 0.") + end, ".xml", handEye), "expected a rigid 4x4 matrix");
+    }
+}
+
 // What a tool's or a camera's entry is written beside is copied.
 TEST(SurgTrack_HostileFiles, sequencesThatCannotBeCopiedAreLeftAlone)
 {

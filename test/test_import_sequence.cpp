@@ -230,6 +230,9 @@ TEST_F(SurgTrack_ImportJoints, columnsMayBeNamed)
     EXPECT_EQ(0.01, times[1]) << "nanoseconds";
     EXPECT_EQ(2, joints(0, 0));
     EXPECT_EQ(3, joints(1, 1));
+    read("time,a_mm,b [deg]\n0,1000,90\n0.01,3000,90\n", "", list("b [deg]", "a_mm"));
+    EXPECT_EQ(CV_PI / 2, joints(0, 0));
+    EXPECT_EQ(3, joints(1, 1));
     EXPECT_ERROR(read("time,a\n0,1\n0.1,3\n", "", list("b", "a")), "a column of b");
     EXPECT_ERROR(read("time,a\n0,1\n0.1,3\n", "", list("a")), "columns");
 }

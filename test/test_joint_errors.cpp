@@ -179,7 +179,13 @@ TEST(SurgTrack_JointErrors, ofAnotherToolAreRefused)
     bad.values[0] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
     bad = good;
-    bad.covariance = Mat(-good.covariance);   // bad and good share theirs
+    bad.values[1] = bad.reference[1] = 1e200;   // numbers, of which squares are none
+    EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
+    bad = good;
+    bad.covariance = Mat(good.covariance * 1e200);   // bad and good share theirs
+    EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
+    bad = good;
+    bad.covariance = Mat(-good.covariance);
     EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
     bad = good;
     bad.covariance = good.covariance(Range(0, 2), Range(0, 2)).clone();

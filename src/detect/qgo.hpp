@@ -50,7 +50,7 @@ int greatest(const ushort* values, int n);
 //! Indices of the values that are at least, in their order; indices has room for all. @return how many
 int atLeast(const ushort* values, int n, int least, int* indices);
 
-//! A feature for cellSimilarities(): where its pixel lies, from that of the cell; its bit, and with those of the neighbours.
+//! A feature for cellSimilarities(): where its pixel lies, from the upper left one of all of the cell; its bit, and with those of the neighbours.
 struct CellFeature
 {
     int offset;

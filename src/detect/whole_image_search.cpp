@@ -41,7 +41,7 @@ int CellMap::evaluate(int cell)
     const Point tl = place(cell);
     const Rect reach = reach_ + tl;
     if ((reach & roi_) == reach && tl.x + 4 <= size_.width && tl.y + 4 <= size_.height)
-        cellSimilarities(spread_.ptr(tl.y - roi_.y) + tl.x - roi_.x, spread_.step, &features_[0], int(features_.size()), found.sums);
+        cellSimilarities(spread_.ptr(reach.y - roi_.y) + reach.x - roi_.x, spread_.step, &features_[0], int(features_.size()), found.sums);
     else
     {
         std::fill(found.sums, found.sums + 16, ushort(0));

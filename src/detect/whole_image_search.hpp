@@ -38,10 +38,11 @@ public:
             const TemplateFeature& f = t.features[i];
             low = Point(std::min(low.x, int(f.x)), std::min(low.y, int(f.y)));
             high = Point(std::max(high.x, int(f.x)), std::max(high.y, int(f.y)));
-            features_[i].offset = int(f.y * (ptrdiff_t)spread_.step) + f.x;
             features_[i].same = uchar(1 << f.bin);
             features_[i].wide = uchar(1 << f.bin | 1 << ((f.bin + 1) & 7) | 1 << ((f.bin + 7) & 7));
         }
+        for (size_t i = 0; i < features_.size(); i++)
+            features_[i].offset = int((t.features[i].y - low.y) * (ptrdiff_t)spread_.step) + t.features[i].x - low.x;
         reach_ = Rect(low, high + Point(4, 4));   // of a cell's 4 x 4 places
     }
     void clear()

@@ -107,19 +107,27 @@ int NodeReader::count(const char* what) const
     return (int)node_;
 }
 
-Mat NodeReader::matrix(const char* what) const
+Mat matrixOf(const FileNode& node, String* reason)
 {
     Mat m;
-    String reason;
     try
     {
-        if (node_.isMap())
-            node_ >> m;
+        if (node.isMap())
+            node >> m;
     }
     catch (const Exception& e)
     {
-        reason = " (" + e.err + ")";
+        m.release();   // room for the numbers was made before they were read
+        if (reason)
+            *reason = " (" + e.err + ")";
     }
+    return m;
+}
+
+Mat NodeReader::matrix(const char* what) const
+{
+    String reason;
+    Mat m = matrixOf(node_, &reason);
     if (!node_.isMap() || !reason.empty() || m.channels() != 1)
         expected(what + reason);
     m.convertTo(m, CV_64F);

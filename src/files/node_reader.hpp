@@ -13,6 +13,9 @@ namespace cv { namespace surgtrack {
 //! The path of a file that another file names: from that one's folder, unless it is absolute.
 String besideFile(const String& filename, const String& path);
 
+//! The matrix of a node; empty if it holds none, or one without its numbers. @param reason cv::FileStorage's, in brackets
+Mat matrixOf(const FileNode& node, String* reason = 0);
+
 /** A node of a file of cv::FileStorage that knows where it is, for errors that say so: `FILE: key PATH: expected WHAT`. Asking a node
 that is not there for anything is such an error. */
 class NodeReader

@@ -12,6 +12,7 @@
 #include "base/checks.hpp"
 #include "base/geometry.hpp"
 #include "files/csv.hpp"
+#include "files/node_reader.hpp"
 #include "files/text_file.hpp"
 
 // Sequence folders, part by part.
@@ -370,13 +371,7 @@ void writeHandEye(const String& sequence, const String& tool, const Matx44d& cam
     // The place is found in the text, so that comments and layout stay; the result is parsed to see that it was the right one.
     const String after = replaced(before, n, camera_T_base);
     const FileStorage check = parseStorage(filename, after);
-    Mat written;
-    const FileNode node = check["tools"][index]["camera_T_base"];
-    try
-    {
-        if (node.isMap()) node >> written;
-    }
-    catch (const Exception&) {}   // a map, but no matrix
+    const Mat written = matrixOf(check["tools"][index]["camera_T_base"]);
     const String key = format("/tools/%d/camera_T_base", index);
     if (written.size() != Size(4, 4) || written.type() != CV_64F || Matx44d(written.ptr<double>()) != camera_T_base
         || !sameNodes(storage.root(), check.root(), "", key))

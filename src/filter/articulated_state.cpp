@@ -3,7 +3,6 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-#include "base/checks.hpp"
 #include "filter/articulated_pose_ekf.hpp"
 
 namespace cv { namespace surgtrack {
@@ -11,6 +10,8 @@ namespace cv { namespace surgtrack {
 // All that the filter knows, as a value.
 
 namespace {
+
+const double largest = 1e4;   // of constants [rad, m or s], as of Params: poses beyond are no numbers any more
 
 void store(const Estimate& from, ArticulatedPoseEKF::Belief& to)
 {
@@ -111,11 +112,12 @@ void ArticulatedPoseEKFImpl::setReadingErrors(const ReadingErrors& errors)
         }
         CV_CheckEQ((int)errors.values.size(), n, "errors.values: one of each name");
         CV_CheckEQ(errors.reference.size(), joints_.size(), "errors.reference: one per coordinate");
-        checkFinite(errors.values, "errors.values");
-        checkFinite(errors.reference, "errors.reference");
+        if (!checkRange(errors.values, true, 0, -largest, largest) || !checkRange(errors.reference, true, 0, -largest, largest))
+            CV_Error(Error::StsBadArg, format("errors.values, errors.reference: expected numbers below %g", largest));
         CV_CheckTypeEQ(errors.covariance.type(), CV_64F, "errors.covariance");
-        if (errors.covariance.dims != 2 || errors.covariance.rows != n || errors.covariance.cols != n || !checkRange(errors.covariance))
-            CV_Error(Error::StsBadArg, format("errors.covariance: expected %d x %d finite numbers", n, n));
+        if (errors.covariance.dims != 2 || errors.covariance.rows != n || errors.covariance.cols != n ||
+            !checkRange(errors.covariance, true, 0, -largest * largest, largest * largest))
+            CV_Error(Error::StsBadArg, format("errors.covariance: expected %d x %d numbers below %g", n, n, largest * largest));
         for (int r = 0; r < n; r++)
         {
             mean[r] = errors.values[r];

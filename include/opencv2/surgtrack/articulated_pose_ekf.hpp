@@ -160,7 +160,7 @@ public:
     /** @brief What was learnt of them before: where reset() begins, in place of nothing; calls it. Offsets and the delay may have changed since
     by as much as they are unknown by without this.
     @param errors of the same tool, as readingErrors() gave them; without names: nothing is known
-    @throws cv::Exception for other constants than those of this filter, numbers that are not finite, and a covariance that is none */
+    @throws cv::Exception for other constants than those of this filter, numbers beyond 1e4, and a covariance that is none */
     CV_WRAP virtual void setReadingErrors(const ReadingErrors& errors) = 0;
 
     /** @brief The calibration is another one: the tool, and what is known of its place, stay where they are, so the correction changes.

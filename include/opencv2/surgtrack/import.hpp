@@ -114,7 +114,7 @@ these, `...position0`, `...position[1]`, ..., in the order of the coordinates, g
 @param coordinates names, as ToolModel::coordinateNames()
 @param times of the readings, on the recording's own clock [s]
 @param joints N x C CV_64F, a row a time [rad or m]
-@param columns the column of each coordinate, if the names are others; empty: as above
+@param columns the column of each coordinate, with its unit if that is in the name (`a [deg]`), if the names are others; empty: as above
 @throws cv::Exception too if a joint of the dVRK slides further than 10 m or turns more than twice: other units */
 CV_EXPORTS_W void importJoints(const std::vector<String>& files, const std::vector<String>& coordinates, CV_OUT std::vector<double>& times,
                                OutputArray joints, const std::vector<String>& columns = std::vector<String>());

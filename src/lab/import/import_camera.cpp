@@ -6,6 +6,7 @@
 #include <sstream>
 #include "base/calib.hpp"
 #include "files/joint_names.hpp"
+#include "files/node_reader.hpp"
 #include "lab/import/import_tool.hpp"
 
 // Cameras from the calibration files of others.
@@ -214,18 +215,8 @@ public:
     Mat matrix(const String& names, bool needed) const
     {
         const FileNode node = find(names);
-        Mat m;
-        try
-        {
-            if (node.isMap())
-                node >> m;
-            else if (node.isSeq())   // as Python's lists are written
-            {
-                m = numbersOf(node);
-                m = m.total() == 9 ? m.reshape(1, 3) : m;
-            }
-        }
-        catch (const Exception&) {}
+        Mat m = node.isSeq() ? numbersOf(node) : matrixOf(node);
+        if (node.isSeq() && m.total() == 9) m = m.reshape(1, 3);   // as Python's lists are written
         if (m.empty() && (needed || !node.empty()))
             importError(files_[0], "expected a matrix of one of the names " + names + (files_.size() > 1 ? ", there or in the other files" : ""));
         return m.empty() ? m : Mat(Mat_<double>(m));

@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "files/node_reader.hpp"
 #include "lab/import/import_tool.hpp"
 
 // The recordings that belong to the paper, as its authors released them (daVinciToolTrack). Millimetres.
@@ -17,13 +18,7 @@ const double TOLERANCE = 1e-3;    // [m]; poses of one frame disagree by up to 0
 
 Matx44d readPose(const FileNode& node, const String& filename, const String& key)
 {
-    Mat m;
-    try
-    {
-        if (node.isMap())
-            node >> m;
-    }
-    catch (const Exception&) {}
+    const Mat m = matrixOf(node);
     Matx44d T = Matx44d::zeros();
     if (m.size() == Size(4, 4) && m.channels() == 1)
         m.convertTo(T, CV_64F);

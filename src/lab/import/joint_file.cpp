@@ -279,6 +279,8 @@ bool JointFile::find(const String& coordinate, JointCell& cell) const
 
 bool JointFile::findColumn(const String& name, JointCell& cell) const
 {
+    String withoutUnit = name;
+    cell.unit = takeUnit(withoutUnit, jointUnits);
     cell.item = -1;
     cell.column = (int)(std::find(header_.begin(), header_.end(), name) - header_.begin());
     return cell.column < (int)header_.size();

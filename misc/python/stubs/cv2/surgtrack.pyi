@@ -1070,7 +1070,7 @@ class ArticulatedPoseEKF:
         by as much as they are unknown by without this.
 
         errors: of the same tool, as readingErrors() gave them; without names: nothing is known
-        Raises cv2.error for other constants than those of this filter, numbers that are not finite, and a covariance that is none
+        Raises cv2.error for other constants than those of this filter, numbers beyond 1e4, and a covariance that is none
         """
         ...
     def setHandEye(self, nominal_T_base: NDArray[np.float64]) -> None:
@@ -2321,7 +2321,7 @@ def importJoints(files: _Sequence[str], coordinates: _Sequence[str], joints: Opt
     coordinates: names, as ToolModel.coordinateNames()
     times: of the readings, on the recording's own clock [s]
     joints: N x C CV_64F, a row a time [rad or m]
-    columns: the column of each coordinate, if the names are others; empty: as above
+    columns: the column of each coordinate, with its unit if that is in the name (`a [deg]`), if the names are others; empty: as above
     Raises cv2.error too if a joint of the dVRK slides further than 10 m or turns more than twice: other units
     """
     ...
