@@ -179,11 +179,14 @@ TEST(SurgTrack_JointErrors, ofAnotherToolAreRefused)
     bad.values[0] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
     bad = good;
-    bad.values[1] = bad.reference[1] = 1e200;   // numbers, of which squares are none
-    EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
+    bad.values[1] = 1e200;   // a number, of which the square is none
+    EXPECT_ERROR(filter->setReadingErrors(bad), "errors.values");
+    bad = good;
+    bad.reference[1] = 1e200;
+    EXPECT_ERROR(filter->setReadingErrors(bad), "errors.reference");
     bad = good;
     bad.covariance = Mat(good.covariance * 1e200);   // bad and good share theirs
-    EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);
+    EXPECT_ERROR(filter->setReadingErrors(bad), "errors.covariance");
     bad = good;
     bad.covariance = Mat(-good.covariance);
     EXPECT_THROW(filter->setReadingErrors(bad), cv::Exception);

@@ -13,6 +13,11 @@ namespace {
 
 const double largest = 1e4;   // of constants [rad, m or s], as of Params: poses beyond are no numbers any more
 
+void checkSize(const std::vector<double>& values, const char* name)
+{
+    if (!checkRange(values, true, 0, -largest, largest)) CV_Error(Error::StsBadArg, format("%s: expected numbers between -%g and %g", name, largest, largest));
+}
+
 void store(const Estimate& from, ArticulatedPoseEKF::Belief& to)
 {
     to.correction = from.correction;
@@ -112,12 +117,12 @@ void ArticulatedPoseEKFImpl::setReadingErrors(const ReadingErrors& errors)
         }
         CV_CheckEQ((int)errors.values.size(), n, "errors.values: one of each name");
         CV_CheckEQ(errors.reference.size(), joints_.size(), "errors.reference: one per coordinate");
-        if (!checkRange(errors.values, true, 0, -largest, largest) || !checkRange(errors.reference, true, 0, -largest, largest))
-            CV_Error(Error::StsBadArg, format("errors.values, errors.reference: expected numbers below %g", largest));
+        checkSize(errors.values, "errors.values");
+        checkSize(errors.reference, "errors.reference");
         CV_CheckTypeEQ(errors.covariance.type(), CV_64F, "errors.covariance");
         if (errors.covariance.dims != 2 || errors.covariance.rows != n || errors.covariance.cols != n ||
             !checkRange(errors.covariance, true, 0, -largest * largest, largest * largest))
-            CV_Error(Error::StsBadArg, format("errors.covariance: expected %d x %d numbers below %g", n, n, largest * largest));
+            CV_Error(Error::StsBadArg, format("errors.covariance: expected %d x %d numbers between -%g and %g", n, n, largest * largest, largest * largest));
         for (int r = 0; r < n; r++)
         {
             mean[r] = errors.values[r];
