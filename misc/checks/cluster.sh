@@ -6,7 +6,8 @@ lose_a_worker() {
   local out="$1" log="$2" code=0 pids=() i results=0 address='' dask=("$PYTHON" -m)
   shift 2
   rm -f "$out.json"
-  "${dask[@]}" distributed.cli.dask_scheduler --host 127.0.0.1 --port 0 --no-dashboard --scheduler-file "$out.json" >"$log" 2>&1 &
+  : >"$log"   # it is looked at before the first program may have begun
+  "${dask[@]}" distributed.cli.dask_scheduler --host 127.0.0.1 --port 0 --no-dashboard --scheduler-file "$out.json" >>"$log" 2>&1 &
   pids+=($!)
   for i in 1 2; do   # without a nanny, which would start a new one
     "${dask[@]}" distributed.cli.dask_worker --scheduler-file "$out.json" --name "$i" --nthreads 1 --no-nanny --no-dashboard \
